@@ -1,0 +1,228 @@
+"""Critical points of the height: their indices, sides, and simple saddles."""
+
+import numpy as np
+from numba import njit
+
+from .heightmesh import HeightMesh, canonical_faces, cross_at, find_twins
+
+
+def vertex_indices(mesh):
+    """PL index of every vertex, (n,) int32: 1 extremum, 0 regular, -1 saddle.
+
+    One minus half the sign changes around the link (Banchoff 1967,
+    doi:10.1007/BF01076127); a sign change is a face in which the vertex is
+    the middle one. Values below -1 are multiple saddles.
+    """
+    low, high = mesh.faces.min(axis=1), mesh.faces.max(axis=1)
+    middle = mesh.faces.sum(axis=1, dtype=np.int64) - low - high
+    return (1 - np.bincount(middle, minlength=len(mesh.points)) // 2).astype(np.int32)
+
+
+def morse_indices(mesh, vertices):
+    """Morse index (0, 1, 2) of critical `vertices` of an unfolded mesh, (k,) int32."""
+    is_top = np.zeros(len(mesh.points), bool)  # some face has it as its highest corner
+    is_top[mesh.faces.max(axis=1)] = True
+    saddle = vertex_indices(mesh)[vertices] < 0
+    return np.where(saddle, 1, np.where(is_top[vertices], 2, 0)).astype(np.int32)
+
+
+def unfold_saddles(mesh):
+    """Split every multiple saddle into simple ones at the same position.
+
+    A saddle whose link changes sign 2 m times becomes m - 1 vertices with
+    consecutive ranks. Each split takes off an upper wedge of the link whose
+    two zero directions are neighbours in the horizontal plane, so that the
+    unfolded surface is still embedded (an arbitrary wedge may not be). Euler
+    characteristic and all other vertices are unchanged.
+    """
+    multiple = np.flatnonzero(vertex_indices(mesh) < -1)
+    if len(multiple) == 0:
+        return mesh
+    star = _stars(mesh.faces, multiple)
+    faces = [tuple(face) for face in mesh.faces.tolist()]
+    n = len(mesh.points)
+    origin, turn = list(range(n)), [0] * n  # rank key of a vertex: (origin, turn)
+    for saddle in multiple.tolist():
+        while True:
+            link = _link(faces, star[saddle], saddle)
+            wedge = _embeddable_wedge(mesh.points, origin, link, saddle)
+            if wedge is None:
+                break
+            turn[saddle] += 1
+            origin.append(saddle)
+            turn.append(turn[saddle] - 1)
+            _split(faces, star, saddle, len(origin) - 1, wedge)
+    order = np.lexsort((turn, origin))
+    rank = np.empty(len(order), np.int32)
+    rank[order] = np.arange(len(order), dtype=np.int32)
+    origin = np.asarray(origin)[order]
+    new_faces = canonical_faces(rank[np.asarray(faces)])
+    return HeightMesh(mesh.points[origin], new_faces, find_twins(new_faces, len(order)), mesh.vertex[origin])
+
+
+def _stars(faces, vertices):
+    wanted = np.zeros(int(faces.max()) + 1, bool)
+    wanted[vertices] = True
+    star = {int(v): set() for v in vertices}
+    for face in np.flatnonzero(wanted[faces].any(axis=1)).tolist():
+        for corner in faces[face].tolist():
+            if corner in star:
+                star[corner].add(face)
+    return star
+
+
+def _link(faces, star, vertex):
+    """The link cycle of `vertex`, counter-clockwise from outside, smallest id first."""
+    after = {}
+    for face in star:
+        a, b, c = faces[face]
+        x, y = (b, c) if a == vertex else (c, a) if b == vertex else (a, b)
+        after[x] = y
+    cycle = [min(after)]
+    while (following := after[cycle[-1]]) != cycle[0]:
+        cycle.append(following)
+    return cycle
+
+
+def _embeddable_wedge(points, origin, link, vertex):
+    """The link from the last vertex below an upper wedge to the first one behind it.
+
+    None where the saddle is simple. Among the wedges with neighbouring zero
+    directions the first in the link is taken; if rounding leaves none, the
+    one with the smallest opening.
+    """
+    upper = [origin[w] > origin[vertex] for w in link]  # a copy of `vertex` is below it
+    rises = [i for i in range(len(link)) if not upper[i] and upper[(i + 1) % len(link)]]
+    if len(rises) < 3:
+        return None
+    angles, wedges = [], []
+    for i in rises:
+        j = (i + 1) % len(link)
+        while upper[j]:
+            j = (j + 1) % len(link)
+        before = link[(j - 1) % len(link)]
+        angles.append(_zero_angle(points, origin, vertex, link[i], link[(i + 1) % len(link)]))
+        angles.append(_zero_angle(points, origin, vertex, link[j], before))
+        wedges.append((i, j))
+    place = np.argsort(np.argsort(angles, kind="stable"), kind="stable")
+    gaps = [(abs(int(place[2 * w]) - int(place[2 * w + 1]))) for w in range(len(wedges))]
+    gaps = [min(gap, len(angles) - gap) for gap in gaps]
+    i, j = wedges[int(np.argmin(gaps))]
+    span = (j - i) % len(link)
+    return [link[(i + step) % len(link)] for step in range(span + 1)]
+
+
+def _zero_angle(points, origin, vertex, low, high):
+    centre = points[origin[vertex]]
+    x, y = cross_at(points[origin[low]], points[origin[high]], centre[2], centre[0], centre[1])
+    return np.arctan2(y - centre[1], x - centre[0])
+
+
+def _split(faces, star, upper, lower, wedge):
+    """Give the fan of `upper` over `wedge` to the new vertex `lower`, just below it."""
+    pairs = set(zip(wedge[:-1], wedge[1:]))
+    for face in sorted(star[upper]):
+        a, b, c = faces[face]
+        x, y = (b, c) if a == upper else (c, a) if b == upper else (a, b)
+        if (x, y) in pairs:
+            faces[face] = (lower, x, y)
+            star[upper].discard(face)
+    first, last = wedge[0], wedge[-1]
+    for face in ((lower, last, upper), (lower, upper, first)):
+        faces.append(face)
+        for corner in face:
+            if corner in star:
+                star[corner].add(len(faces) - 1)
+
+
+def link_areas(mesh, vertices):
+    """Signed horizontal area of the link, scaled to one height, (k,) float64.
+
+    For an extremum this is the area of the contour at an infinitesimal
+    distance from it, up to a positive factor: positive where material is
+    inside that contour.
+    """
+    wanted = np.full(len(mesh.points), -1, np.int32)
+    wanted[vertices] = np.arange(len(vertices), dtype=np.int32)
+    return _link_areas(mesh.points, mesh.faces, wanted, len(vertices))
+
+
+@njit(cache=True)
+def _link_areas(points, faces, wanted, n_wanted):
+    nearest = np.full(n_wanted, np.inf)
+    for f in range(faces.shape[0]):
+        for k in range(3):
+            w = wanted[faces[f, k]]
+            if w >= 0:
+                rise = abs(points[faces[f, (k + 1) % 3], 2] - points[faces[f, k], 2])
+                if rise > 0.0:
+                    nearest[w] = min(nearest[w], rise)
+    areas = np.zeros(n_wanted)
+    for f in range(faces.shape[0]):
+        for k in range(3):
+            w = wanted[faces[f, k]]
+            if w < 0:
+                continue
+            v, a, b = faces[f, k], faces[f, (k + 1) % 3], faces[f, (k + 2) % 3]
+            # A neighbour at the vertex's own height is a tie: the infinitesimal
+            # tilt leaves its direction as far away as any other can be.
+            ra, rb = abs(points[a, 2] - points[v, 2]), abs(points[b, 2] - points[v, 2])
+            sa = nearest[w] / ra if ra > 0.0 else 1.0e6
+            sb = nearest[w] / rb if rb > 0.0 else 1.0e6
+            ax, ay = sa * (points[a, 0] - points[v, 0]), sa * (points[a, 1] - points[v, 1])
+            bx, by = sb * (points[b, 0] - points[v, 0]), sb * (points[b, 1] - points[v, 1])
+            areas[w] += 0.5 * (ax * by - ay * bx)
+    return areas
+
+
+def saddle_contours(mesh, saddles):
+    """Signed areas of the contours at each simple saddle, two (k, 2) float64 arrays.
+
+    Just below and just above it; where there is one contour, and not two, the
+    second area is NaN. A saddle has two below and one above (union) or one
+    below and two above (separation).
+    """
+    wanted = np.full(len(mesh.points), -1, np.int32)
+    wanted[saddles] = np.arange(len(saddles), dtype=np.int32)
+    return _saddle_contours(mesh.points, mesh.faces, mesh.twins, wanted, np.asarray(saddles, np.int32))
+
+
+@njit(cache=True)
+def _saddle_contours(points, faces, twins, wanted, saddles):
+    # one mesh edge of each of the two lower and of the two upper link wedges
+    gate = np.full((2, len(saddles), 2), -1, np.int64)
+    for h in range(3 * faces.shape[0]):
+        tail, head, third = faces[h // 3, h % 3], faces[h // 3, (h % 3 + 1) % 3], faces[h // 3, (h % 3 + 2) % 3]
+        if wanted[tail] >= 0 and third < tail < head:
+            gate[1, wanted[tail], 1 if gate[1, wanted[tail], 0] >= 0 else 0] = h
+        if wanted[head] >= 0 and tail < head < third:
+            gate[0, wanted[head], 1 if gate[0, wanted[head], 0] >= 0 else 0] = h
+    area = np.full((2, len(saddles), 2), np.nan)
+    for s in range(len(saddles)):
+        for side in range(2):
+            first, second = gate[side, s]
+            area[side, s, 0], met = _walk_from(points, faces, twins, first, second, saddles[s], saddles[s] + side)
+            if not met:
+                area[side, s, 1], met = _walk_from(points, faces, twins, second, first, saddles[s], saddles[s] + side)
+    return area[0], area[1]
+
+
+@njit(cache=True)
+def _walk_from(points, faces, twins, start, other, saddle, cut):
+    """Signed area of the contour through half-edge `start`; whether it meets `other`.
+
+    The level is the saddle's: ranks from `cut` on are above it.
+    """
+    x0, y0, z0 = points[saddle]
+    area, met, px, py, h = 0.0, False, 0.0, 0.0, start
+    while True:
+        low, high = faces[h // 3, h % 3], faces[h // 3, (h % 3 + 1) % 3]
+        x, y = cross_at(points[low], points[high], z0, x0, y0)
+        area += 0.5 * (px * (y - y0) - py * (x - x0))
+        px, py = x - x0, y - y0
+        down = twins[h]
+        face, corner = down // 3, down % 3
+        h = 3 * face + ((corner + 1) % 3 if faces[face, (corner + 2) % 3] >= cut else (corner + 2) % 3)
+        met |= h == other
+        if h == start:
+            return area, met

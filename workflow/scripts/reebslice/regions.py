@@ -1,0 +1,208 @@
+"""Regions of material at each level, and the blocks of solid between levels."""
+
+from typing import NamedTuple
+
+import numpy as np
+import scipy.sparse as sparse
+from numba import njit
+from scipy.sparse.csgraph import connected_components
+
+from .pairing import find, join
+from .slicing import measure_contours
+
+
+class Regions(NamedTuple):
+    """R regions, ordered by level and then by their outer contour.
+
+    level : (R,) int32; outer : (R,) int32, the outer contour
+    of_contour : (C,) int32, the region that each contour bounds
+    inner : (C,) bool; parent : (C,) int32, smallest contour around it, or -1
+    """
+
+    level: np.ndarray
+    outer: np.ndarray
+    of_contour: np.ndarray
+    inner: np.ndarray
+    parent: np.ndarray
+
+
+def find_regions(contours, pieces, body):
+    """The :class:`Regions` of a sliced surface.
+
+    body : (C,) the body of each contour's shell. A hole belongs to the
+    smallest outer contour around it of the same body, so bodies that overlap
+    stay apart. A hole with no such contour, which only a surface that crosses
+    itself can have, counts as a region of its own.
+    """
+    area, perimeter = measure_contours(contours)
+    inner = _inner_contours(pieces, area, perimeter)
+    parent, outer = _nest(contours.level, contours.start, contours.points, np.abs(area), inner, body)
+    head = np.where(inner & (outer >= 0), outer, np.arange(len(inner)))
+    outers = np.flatnonzero(head == np.arange(len(head))).astype(np.int32)
+    name = np.full(len(head), -1, np.int32)
+    name[outers] = np.arange(len(outers), dtype=np.int32)
+    return Regions(contours.level[outers], outers, name[head], inner, parent)
+
+
+def _inner_contours(pieces, area, perimeter):
+    """Whether each contour is a hole: (C,) bool.
+
+    Along a chain of cylinders an outer contour stays outer and a hole stays a
+    hole, so the chain is decided at once, by its contour whose area is
+    largest for its perimeter: rounding never turns a tiny contour around.
+    """
+    chain = _cylinder_chains(pieces, len(area))
+    roundness = np.divide(area, perimeter**2, out=np.zeros_like(area), where=perimeter > 0)
+    order = np.lexsort((np.abs(roundness), chain))
+    last = np.flatnonzero(np.diff(chain[order], append=-1))
+    surest = np.zeros(len(area))
+    surest[chain[order[last]]] = roundness[order[last]]
+    return surest[chain] < 0
+
+
+def _cylinder_chains(pieces, n_contours):
+    cylinder = (pieces.n_below == 1) & (pieces.n_above == 1) & (pieces.genus == 0)
+    low = np.full(len(cylinder), -1, np.int64)
+    low[pieces.above] = np.arange(n_contours)
+    high = np.full(len(cylinder), -1, np.int64)
+    high[pieces.below] = np.arange(n_contours)
+    low, high = low[cylinder], high[cylinder]
+    links = sparse.coo_array((np.ones(len(low), bool), (low, high)), shape=(n_contours, n_contours))
+    return connected_components(links, directed=False)[1]
+
+
+@njit(cache=True)
+def _nest(level, start, points, size, inner, body):
+    """Smallest contour around each one, and smallest outer one of its body (-1: none).
+
+    A contour is tested by the middle of its longest segment, which lies off
+    every other contour even where contours touch in a point.
+    """
+    n = len(level)
+    box = np.empty((n, 4))
+    probe = np.empty((n, 2))
+    for c in range(n):
+        ring = points[start[c] : start[c + 1]]
+        box[c, 0], box[c, 1] = ring[:, 0].min(), ring[:, 1].min()
+        box[c, 2], box[c, 3] = ring[:, 0].max(), ring[:, 1].max()
+        longest = -1.0
+        for i in range(len(ring)):
+            dx, dy = ring[i, 0] - ring[i - 1, 0], ring[i, 1] - ring[i - 1, 1]
+            if dx * dx + dy * dy > longest:
+                longest = dx * dx + dy * dy
+                probe[c, 0], probe[c, 1] = 0.5 * (ring[i, 0] + ring[i - 1, 0]), 0.5 * (ring[i, 1] + ring[i - 1, 1])
+    parent, outer = np.full(n, -1, np.int32), np.full(n, -1, np.int32)
+    first = 0
+    while first < n:
+        end = first
+        while end < n and level[end] == level[first]:
+            end += 1
+        around = first + np.argsort(size[first:end], kind="mergesort")
+        for c in range(first, end):
+            x, y = probe[c]
+            for e in around:
+                if e == c or size[e] < size[c]:
+                    continue
+                if x < box[e, 0] or x > box[e, 2] or y < box[e, 1] or y > box[e, 3]:
+                    continue
+                same_body = body[e] == body[c] and not inner[e]
+                if parent[c] >= 0 and not same_body:
+                    continue
+                if _encloses(points[start[e] : start[e + 1]], x, y):
+                    if parent[c] < 0:
+                        parent[c] = e
+                    if same_body:
+                        outer[c] = e
+                        break
+        first = end
+    return parent, outer
+
+
+@njit(cache=True, inline="always")
+def _encloses(ring, x, y):
+    inside = False
+    px, py = ring[-1]
+    for i in range(len(ring)):
+        qx, qy = ring[i]
+        if (py > y) != (qy > y):
+            # the lower end first, so that a shared segment is hit exactly once
+            ax, ay, bx, by = (px, py, qx, qy) if py < qy else (qx, qy, px, py)
+            if (bx - ax) * (y - ay) > (x - ax) * (by - ay):
+                inside = not inside
+        px, py = qx, qy
+    return inside
+
+
+def find_blocks(pieces, contours, regions, unseen_host):
+    """Blocks: the connected components of the solid in each slab.
+
+    unseen_host : dict, for each closed void wholly inside a slab the piece
+    whose block surrounds it. Returns (block of every piece (P,), block above
+    and block below every region (R,), number of blocks); blocks are numbered
+    by their first piece.
+    """
+    r, p = len(regions.level), len(pieces.slab)
+    hosts = np.array(sorted(unseen_host.items()), np.int64).reshape(-1, 2)
+    root = _join_blocks(r, p, regions.of_contour, pieces.above, pieces.below, hosts)
+    _, block = np.unique(root, return_inverse=True)
+    return tuple(part.astype(np.int32) for part in (block[:p], block[p : p + r], block[p + r :])) + (block.max() + 1,)
+
+
+@njit(cache=True)
+def _join_blocks(r, p, region, piece_above, piece_below, hosts):
+    root = np.arange(p + 2 * r)
+    for c in range(len(region)):
+        join(root, p + region[c], piece_above[c])
+        join(root, p + r + region[c], piece_below[c])
+    for i in range(len(hosts)):
+        join(root, hosts[i, 0], hosts[i, 1])
+    for i in range(len(root)):
+        root[i] = find(root, i)
+    return root
+
+
+def host_unseen_voids(mesh, levels, contours, pieces, body_of_vertex):
+    """For each closed void wholly inside a slab, a piece of the block around it.
+
+    Found by one point location: from the void's lowest vertex along +x to the
+    first face of the same body. Returns {piece of void: piece of host}; a
+    void that no face of its body is met from is left out.
+    """
+    hosts = {}
+    closed = (pieces.n_below + pieces.n_above == 0) & (pieces.flux < 0)
+    for piece in np.flatnonzero(closed):
+        vertex = int(np.flatnonzero(pieces.of_vertex == piece)[0])
+        face, first = _first_face_along_x(mesh, vertex, body_of_vertex, pieces.of_vertex != piece)
+        if face >= 0:
+            hosts[int(piece)] = _piece_of_face(mesh, levels, contours, pieces, face, int(pieces.slab[piece]) + 1)
+    return hosts
+
+
+def _first_face_along_x(mesh, vertex, body, other):
+    x, y, z = mesh.points[vertex]
+    corners = mesh.points[mesh.faces]
+    low, high = corners.min(axis=1), corners.max(axis=1)
+    near = (low[:, 2] <= z) & (high[:, 2] > z) & (low[:, 1] <= y) & (high[:, 1] >= y) & (high[:, 0] >= x)
+    near &= (body[mesh.faces[:, 0]] == body[vertex]) & other[mesh.faces[:, 0]]
+    best, best_x = -1, np.inf
+    for face in np.flatnonzero(near):
+        ends = []
+        for p, q in zip(corners[face], np.roll(corners[face], -1, axis=0)):
+            if (p[2] > z) != (q[2] > z):
+                p, q = (p, q) if p[2] < q[2] else (q, p)
+                ends.append(p + (z - p[2]) / (q[2] - p[2]) * (q - p))
+        (ax, ay), (bx, by) = ends[0][:2], ends[1][:2]
+        if (ay > y) != (by > y):
+            hit = ax + (y - ay) / (by - ay) * (bx - ax)
+            if x < hit < best_x:
+                best, best_x = int(face), hit
+    return best, best_x
+
+
+def _piece_of_face(mesh, levels, contours, pieces, face, slab):
+    a, b, c = mesh.faces[face].tolist()
+    below = int(np.searchsorted(levels.below, a, side="right"))
+    if slab == below:
+        return int(pieces.of_vertex[a])
+    h = 3 * face if b > c else int(mesh.twins[3 * face + 2])
+    return int(pieces.above[contours.label[contours.offset[h] + slab - 1 - below]])
