@@ -1,0 +1,138 @@
+"""Nodes, similarity, links and graphs against mathematics."""
+
+import networkx as nx
+import numpy as np
+import pytest
+import shapely
+from pipeline import run_stages
+
+import solids
+from reebslice.graphs import loops, trace_arcs
+from reebslice.nodes import inscribed_points, steady_points
+from reebslice.parts import Parts, linked_parts
+from reebslice.similarity import boolean_similarity, link_by_proximity, link_by_similarity
+from reebslice.tilts import candidate_directions, height_rounding, rotation_to_vertical, select_tilt
+
+
+def box(x, y, width, depth=1.0):
+    return shapely.box(x, y, x + width, y + depth)
+
+
+def test_inscribed_points_of_known_shapes():
+    ring = shapely.Point(0, 0).buffer(2, 64).difference(shapely.Point(0, 0).buffer(1, 64))
+    shapes = np.array([box(0, 0, 2, 2), box(0, 0, 10, 1), ring, shapely.Polygon()])
+    points = inscribed_points(shapes)
+    assert shapely.get_coordinates(points[0]).ravel() == pytest.approx([1, 1], abs=0.1)
+    assert shapely.get_y(points[1]) == pytest.approx(0.5, abs=0.05)
+    assert np.hypot(shapely.get_x(points[2]), shapely.get_y(points[2])) == pytest.approx(1.5, abs=0.05)
+    assert shapely.is_empty(points[3])
+
+
+def test_steady_points_stay_where_the_circle_is_as_large():
+    shapes = np.array([box(0, 0, 10), box(0, 0, 10), box(0, 0, 3)])
+    points = shapely.points([[2.0, 0.5], [8.0, 0.5], [1.0, 0.5]])
+    moved = steady_points(shapes, points, np.array([0, 1, 2]), np.array([-1, 0, 1]))
+    assert shapely.get_x(moved).tolist() == [2.0, 2.0, 2.0]
+    narrow = np.array([box(0, 0, 10), shapely.Polygon([(0, 0), (10, 0), (10, 3)])])
+    assert shapely.equals(steady_points(narrow, points[:2], np.array([0, 1]), np.array([-1, 0]))[1], points[1])
+
+
+def test_boolean_similarity_of_boxes():
+    measured = boolean_similarity(np.array([box(0, 0, 2), box(0, 0, 1)]), np.array([box(1, 0, 2), box(5, 0, 1)]))
+    assert measured["similarity"] == pytest.approx([1 / 3, 0])
+    assert measured["area_union"] == pytest.approx([3, 2])
+    assert (measured["area_source"] + measured["area_target"]) == pytest.approx(
+        measured["area_union"] + measured["area_intersection"]
+    )
+
+
+def test_similarity_links_pairs_joins_and_splits():
+    assert link_by_similarity([box(0, 0, 1), box(5, 0, 1)], [box(0.2, 0, 1), box(5.2, 0, 1)]) == [(0, 0), (1, 1)]
+    assert link_by_similarity([box(0, 0, 1), box(1.1, 0, 1)], [box(0, 0, 2.1)]) == [(0, 0), (1, 0)]
+    assert link_by_similarity([box(0, 0, 2.1)], [box(0, 0, 1), box(1.1, 0, 1)]) == [(0, 0), (0, 1)]
+    assert link_by_similarity([box(0, 0, 1)], [box(3, 0, 1)]) == link_by_similarity([box(0, 0, 1)], []) == []
+
+
+def test_proximity_links_the_nearest_centroid_whatever_its_shape():
+    assert link_by_proximity([box(0, 0, 1)], [box(3, 0, 1)]) == [(0, 0)]
+    assert link_by_proximity([box(0, 0, 1), box(4, 0, 1)], [box(0.5, 0, 1), box(4, 0, 1)]) == [(0, 0), (1, 1)]
+
+
+def test_linked_parts_of_a_fork():
+    # one item at level 0, two at level 1, one of which ends
+    parts = linked_parts([0, 1, 1, 2], [(0, 1), (0, 2), (1, 3)])
+    assert [(below, above) for below, above in zip(parts.below, parts.above)] == [
+        ([], [0]),
+        ([0], [1, 2]),
+        ([1], [3]),
+        ([2], []),
+        ([3], []),
+    ]
+    assert parts.joints == [[0], [1], [], [2], [3]] and parts.slab == [-1, 0, 1, 1, 2]
+
+
+def test_arcs_share_out_what_their_ends_hold():
+    parts = Parts([[], [0], [1, 2]], [[0], [1, 2], []], [[0], [1], [2]], [-1, 0, 1], np.array([1.0, 6.0, 4.0]))
+    arcs = trace_arcs(parts)
+    assert [(arc["source"], arc["target"], arc["nodes"]) for arc in arcs] == [(0, 1, [0]), (1, 2, [1]), (1, 2, [2])]
+    assert [arc["measure"] for arc in arcs] == [1 + 2, 2 + 2, 2 + 2]
+
+
+def test_a_chain_of_events_is_a_chain_of_nodes():
+    arcs = trace_arcs(Parts([[], [0], [1]], [[0], [1], []], [[0], [1, 2], [3]], [-1, 0, 1], np.ones(3)))
+    assert [(arc["source"], arc["target"], arc["nodes"]) for arc in arcs] == [(0, 1, [0]), (1, 2, []), (2, 3, [1])]
+    assert sum(arc["measure"] for arc in arcs) == pytest.approx(3)
+
+
+@pytest.mark.parametrize("direction", [(0, 0, 1), (0, 0, -1), (1, 0, 0), (0.6, 0, 0.8), (-0.48, 0.6, -0.64)])
+def test_rotation_takes_the_direction_to_vertical(direction):
+    rotation = rotation_to_vertical(np.array(direction, float))
+    assert rotation[2].tolist() == list(direction)
+    assert rotation @ rotation.T == pytest.approx(np.eye(3), abs=1e-15)
+    assert np.linalg.det(rotation) == pytest.approx(1)
+
+
+def test_candidates_lie_in_the_cone_and_are_seeded():
+    directions = candidate_directions(200, 20.0, seed=3)
+    assert directions[0].tolist() == [0, 0, 1]
+    assert np.linalg.norm(directions, axis=1) == pytest.approx(1)
+    assert np.degrees(np.arccos(directions[:, 2])).max() <= 20 + 1e-9
+    assert (directions == candidate_directions(200, 20.0, seed=3)).all()
+
+
+def test_a_box_is_morse_by_sos_upright_and_proven_once_tilted():
+    cube = solids.cube(subdivisions=2)
+    upright = select_tilt(cube.points, cube.faces, "none")
+    assert (upright["morse"], upright["margin"], upright["angle"]) == ("by_sos", 0.0, 0.0)
+    tilted = select_tilt(cube.points, cube.faces, "auto")
+    assert tilted["morse"] == "proven" and 0 < tilted["angle"] <= 15
+    assert tilted["margin"] > tilted["rounding"] > 0
+    assert tilted["critical"] == {"minima": 1, "saddles": 0, "maxima": 1}
+
+
+def test_a_given_direction_is_taken_whatever_its_length():
+    ball = solids.icosphere(1)
+    record = select_tilt(ball.points, ball.faces, "direction", direction=[0, 3, 4])
+    assert record["direction"] == [0, 0.6, 0.8] and record["mode"] == "direction"
+    assert height_rounding(ball.points, np.array([0.0, 0.0, -1.0])) == 0
+
+
+@pytest.mark.parametrize("method", ["similarity", "proximity"])
+def test_methods_without_the_mesh_still_see_an_upright_torus(tmp_path, method):
+    torus = solids.torus(2.0, 0.7, 32, 16, upright=True)
+    result = run_stages(torus, tmp_path, levels={"distance": 0.02}, edges={"method": method})
+    assert loops(result.graphs["solid"]) == loops(result.graphs["surface"]) == 1
+    assert {row["method"] for row in result.edges} == {method}
+    missed = [row for row in result.edges if not row["linked"]]
+    assert missed == []
+
+
+def test_the_augmented_graph_subdivides_the_solid_graph(tmp_path):
+    result = run_stages(solids.cup(), tmp_path, levels={"distance": 0.05})
+    solid, augmented = result.graphs["solid"], result.graphs["augmented"]
+    points = [n for n, kind in augmented.nodes(data="kind") if kind == "point"]
+    assert len(points) == len(result.nodes)
+    assert set(augmented) - set(points) == set(solid)
+    assert all(augmented.degree(point) == 2 for point in points)
+    assert loops(augmented) == loops(solid)
+    assert nx.number_connected_components(augmented) == nx.number_connected_components(solid)

@@ -1,0 +1,68 @@
+"""Blocks and regions as later stages see them: from the tables of the slices."""
+
+import numpy as np
+import shapely
+
+
+def block_regions(pieces, contours):
+    """Regions below and above every block: two lists of ascending id lists."""
+    region, blocks = contours["region"].to_numpy(), pieces["block"].to_pylist()
+    ends = []
+    for side in ("below", "above"):
+        members = [set() for _ in range(max(blocks) + 1)]
+        for block, bounding in zip(blocks, pieces[side].to_pylist()):
+            members[block].update(region[bounding].tolist())
+        ends.append([sorted(member) for member in members])
+    return ends
+
+
+def region_levels(contours):
+    """The level of every region, (R,) int32."""
+    region = contours["region"].to_numpy()
+    level = np.empty(region.max() + 1, np.int32)
+    level[region] = contours["level"].to_numpy()
+    return level
+
+
+def contour_curves(contours):
+    """The contours as shapely closed line strings, (C,), tilted frame."""
+    return shapely.from_wkb(contours["geometry"].to_numpy(zero_copy_only=False))
+
+
+def contour_rings(contours):
+    """The contours as shapely linear rings, (C,).
+
+    None where one is too small to span a triangle in floating point.
+    """
+    curves = contour_curves(contours)
+    usable = (shapely.get_num_points(curves) >= 4) & (contours["signed_area"].to_numpy() != 0)
+    coordinates, curve = shapely.get_coordinates(curves[usable], return_index=True)
+    rings = np.full(len(curves), None, object)
+    rings[usable] = shapely.linearrings(coordinates, indices=curve)
+    return rings
+
+
+def region_polygons(contours):
+    """The regions as shapely polygons with holes, (R,), tilted frame, all valid.
+
+    Contours without a ring are left out; a region whose outer contour is one
+    of them becomes an empty polygon.
+    """
+    region, inner = contours["region"].to_numpy(), contours["inner"].to_numpy(zero_copy_only=False)
+    rings, count = contour_rings(contours), int(region.max()) + 1
+    usable = ~shapely.is_missing(rings)
+    has_outer = np.zeros(count, bool)
+    has_outer[region[usable & ~inner]] = True
+    order = np.flatnonzero(usable & has_outer[region])
+    order = order[np.lexsort((inner[order], region[order]))]  # the outer contour first
+    polygons = np.full(count, shapely.Polygon(), object)
+    present, place = np.unique(region[order], return_inverse=True)
+    polygons[present] = shapely.polygons(rings[order], indices=place)
+    return mend(polygons)
+
+
+def mend(polygons):
+    """Polygons made valid; only a surface that crosses itself has others."""
+    broken = ~shapely.is_valid(polygons)
+    polygons[broken] = shapely.buffer(shapely.make_valid(polygons[broken]), 0)
+    return polygons

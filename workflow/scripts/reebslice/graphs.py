@@ -1,0 +1,141 @@
+"""Reeb graphs of the solid and of the surface, and the augmented graph."""
+
+import itertools
+
+import networkx as nx
+import numpy as np
+
+JOINT_COLUMNS = ("handle", "x", "y", "z", "height", "index", "side", "operation", "change", "branches")
+POINT_COLUMNS = ("node", "level", "region", "x", "y", "z", "height", "critical", "area", "inscribed_radius", "n_holes")
+
+
+def trace_arcs(parts):
+    """Arcs between joints: a list of dicts source, target, nodes, measure.
+
+    nodes : the items along the arc, upward. measure : the sum over the plain
+    parts that it runs through, and an equal share, among the arc ends that
+    meet there, of the parts at its two ends. A plain part that does not link
+    one item to one other (only a surface that crosses itself has any) ends
+    the arcs that reach it, at a joint with a negative number.
+    """
+    joints = [
+        list(inside) or ([] if len(lower) == len(upper) == 1 else [-1 - part])
+        for part, (lower, upper, inside) in enumerate(zip(parts.below, parts.above, parts.joints))
+    ]
+    part_above = {item: part for part, lower in enumerate(parts.below) for item in lower}
+    arcs, ends = [], np.zeros(len(joints), int)
+    for part, inside in enumerate(joints):
+        for source, target in zip(inside[:-1], inside[1:]):
+            arcs.append({"source": source, "target": target, "nodes": [], "through": [], "between": (part, part)})
+        for item in parts.above[part] if inside else ():
+            nodes, through, following = [item], [], part_above[item]
+            while not joints[following]:
+                through.append(following)
+                nodes.append(parts.above[following][0])
+                following = part_above[nodes[-1]]
+            target = joints[following][0]
+            arcs.append({"source": inside[-1], "target": target, "nodes": nodes, "through": through, "between": (part, following)})
+    for arc in arcs:
+        ends[list(arc["between"])] += 1 if arc["between"][0] != arc["between"][1] else 2
+    for arc in arcs:
+        shares = sum(parts.measure[part] / ends[part] for part in arc.pop("between"))
+        arc["measure"] = float(parts.measure[arc.pop("through")].sum() + shares)
+    return sorted(arcs, key=lambda arc: (arc["source"], arc["target"], arc["nodes"]))
+
+
+def arc_columns(arcs, graph, joints, points, similarity):
+    """The arcs of one graph ("solid" or "surface") as columns of the table `arcs`.
+
+    joints : {id: row with x, y, z, height}; points : (R, 3) positions of the
+    items, same frame as the joints; similarity : {(item, item): value}, empty
+    where there is none.
+    """
+    measure = [None if np.isnan(arc["measure"]) else arc["measure"] for arc in arcs]
+    pairs = [list(zip(arc["nodes"][:-1], arc["nodes"][1:])) for arc in arcs]
+    return {
+        "arc": list(range(len(arcs))),
+        "graph": [graph] * len(arcs),
+        "source": [arc["source"] for arc in arcs],
+        "target": [arc["target"] for arc in arcs],
+        "lower": [joints[arc["source"]]["height"] for arc in arcs],
+        "upper": [joints[arc["target"]]["height"] for arc in arcs],
+        "length": [_path_length(arc, joints, points) for arc in arcs],
+        "volume": measure if graph == "solid" else [None] * len(arcs),
+        "area": measure if graph == "surface" else [None] * len(arcs),
+        "nodes": [arc["nodes"] for arc in arcs],
+        "similarity_min": [min((similarity[p] for p in path if p in similarity), default=None) for path in pairs],
+    }
+
+
+def _path_length(arc, joints, points):
+    ends = [[joints[arc[end]][axis] for axis in "xyz"] for end in ("source", "target")]
+    path = np.vstack([ends[0], points[arc["nodes"]].reshape(-1, 3), ends[1]])
+    return float(np.linalg.norm(np.diff(path, axis=0), axis=1).sum())
+
+
+def reeb_graph(arcs, joints, attributes, prefix):
+    """A Reeb graph as a MultiGraph; several arcs may join the same two nodes.
+
+    arcs : rows of the table `arcs` of one graph; joints : {id: row}, those
+    without arcs included; attributes : names of the arc columns to carry.
+    Node h7 is the joint 7; edge ids are `prefix` and the arc's number.
+    """
+    graph = nx.MultiGraph()
+    for number in sorted(joints):
+        graph.add_node(joint_name(number), **_scalars(joints[number], JOINT_COLUMNS))
+    for row in arcs:
+        ends = joint_name(row["source"]), joint_name(row["target"])
+        graph.add_edge(*ends, key=f"{prefix}{row['arc']}", id=f"{prefix}{row['arc']}", **_scalars(row, attributes))
+    return graph
+
+
+def augmented_graph(parts, joints, nodes, edges):
+    """The solid graph subdivided by every material point.
+
+    nodes, edges : the tables. Node n5 is the material point 5. An edge
+    between two points is a continuation; an edge at a joint carries its
+    operation.
+    """
+    graph = nx.MultiGraph()
+    for number in sorted(joints):
+        graph.add_node(joint_name(number), kind="handle", **_scalars(joints[number], JOINT_COLUMNS))
+    for row in nodes.to_pylist():
+        graph.add_node(f"n{row['node']}", kind="point", **_scalars(row, POINT_COLUMNS))
+    similarity = dict(zip(zip(edges["source"].to_pylist(), edges["target"].to_pylist()), edges["similarity"].to_pylist()))
+
+    number = itertools.count()
+
+    def connect(low, high, **labels):
+        name = f"e{next(number)}"
+        graph.add_edge(low, high, key=name, id=name, **labels)
+
+    for part, (lower, upper, inside) in enumerate(zip(parts.below, parts.above, parts.joints)):
+        if not inside and len(lower) == len(upper) == 1:
+            pair = lower[0], upper[0]
+            connect(f"n{pair[0]}", f"n{pair[1]}", operation="continuation", similarity=similarity[pair])
+            continue
+        chain = list(inside) or [-1 - part]
+        first, last = joints[chain[0]], joints[chain[-1]]
+        for item in lower:
+            connect(f"n{item}", joint_name(chain[0]), operation=first["operation"], handle=chain[0])
+        for low, high in zip(chain[:-1], chain[1:]):
+            connect(joint_name(low), joint_name(high), operation=joints[high]["operation"], handle=high)
+        for item in upper:
+            connect(joint_name(chain[-1]), f"n{item}", operation=last["operation"], handle=chain[-1])
+    return graph
+
+
+def joint_name(number):
+    """Node id of a joint: h7 for the handle 7, b3 for a joint without a handle."""
+    return f"h{number}" if number >= 0 else f"b{-1 - number}"
+
+
+def loops(graph):
+    """First Betti number of a graph: edges - nodes + components."""
+    return graph.number_of_edges() - graph.number_of_nodes() + nx.number_connected_components(graph)
+
+
+def _scalars(row, names):
+    """GraphML holds no nulls: an absent word becomes "", an absent number is left out."""
+    words = {"side", "operation", "change"}
+    return {n: "" if row[n] is None else row[n] for n in names if n in words or row.get(n) is not None}

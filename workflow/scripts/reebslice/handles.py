@@ -1,0 +1,92 @@
+"""Morse events: one handle per essential critical point."""
+
+import numpy as np
+
+from .blocks import block_regions
+from .critical import link_areas, morse_indices, saddle_contours
+from .pairing import critical_persistence
+from .schemas import EVENTS, build_table
+
+
+def classify_handles(mesh, points, pieces, contours):
+    """The table `handles` from the unfolded mesh and the tables of its slices.
+
+    points : (n, 3) surface vertices, model frame.
+
+    Every essential critical point of every piece is a handle. Where the piece
+    is elementary, its contours below and above name the event (`change`), and
+    with it the side, index and operation; else these are taken from the link
+    of the vertex, and `resolved` is false.
+    """
+    rows = _handle_rows(pieces, contours)
+    ranks = np.array([row["rank"] for row in rows], np.int32)
+    persistence = critical_persistence(mesh)[ranks]
+    index = morse_indices(mesh, ranks)
+    side, operation = local_event(mesh, ranks, index)
+    columns = {name: [row[name] for row in rows] for name in rows[0]}
+    events = [EVENTS.get(change) for change in columns["change"]]
+    columns |= {
+        "handle": np.arange(len(rows)),
+        "vertex": mesh.vertex[ranks],
+        "height": mesh.points[ranks, 2],
+        **dict(zip("xyz", points[mesh.vertex[ranks]].T)),
+        "index": index,
+        "side": [event[0] if event else local for event, local in zip(events, side)],
+        "operation": [event[5] if event else local for event, local in zip(events, operation)],
+        "branches": [event is None or event[4] != 0 for event in events],
+        "persistence": [value if np.isfinite(value) else None for value in persistence.tolist()],
+    }
+    return build_table("handles", columns)
+
+
+def _handle_rows(pieces, contours):
+    inner = contours["inner"].to_numpy(zero_copy_only=False)
+    regions_below, regions_above = block_regions(pieces, contours)
+    eventful = [row for row in pieces.to_pylist() if row["critical_ranks"]]
+    rows = []
+    for piece in eventful:
+        change = name_change(inner[piece["below"]], inner[piece["above"]])
+        resolved = piece["kind"] not in ("compound", "unseen") and change in EVENTS
+        for rank in piece["critical_ranks"]:
+            rows.append(
+                {
+                    "rank": rank,
+                    "slab": piece["slab"],
+                    "piece": piece["piece"],
+                    "block": piece["block"],
+                    "change": change if resolved else None,
+                    "contours_below": piece["below"],
+                    "contours_above": piece["above"],
+                    "regions_below": regions_below[piece["block"]],
+                    "regions_above": regions_above[piece["block"]],
+                    "resolved": resolved,
+                }
+            )
+    return sorted(rows, key=lambda row: row["rank"])
+
+
+def name_change(inner_below, inner_above):
+    """The event that turns these contours into those, such as "o->i,o".
+
+    inner_below, inner_above : bool arrays, True for holes.
+    """
+    return "->".join(",".join(["i"] * int(sum(end)) + ["o"] * int(len(end) - sum(end))) for end in (inner_below, inner_above))
+
+
+def local_event(mesh, ranks, index):
+    """Side and operation of critical points from the contours right at them: two lists.
+
+    Extrema by the area of the link, saddles by the signs of the contours just
+    below and just above. These need no levels. A surface that crosses itself
+    may show signs that no event has; its saddle then counts as side A.
+    """
+    saddle = index == 1
+    # A minimum with the outside up opens a void, a maximum with it ends material.
+    side = np.full(len(ranks), "A", object)
+    side[np.flatnonzero(~saddle)[link_areas(mesh, ranks[~saddle]) > 0]] = "B"
+    operation = np.where(index == 0, "creation", "annihilation").astype(object)
+    for place, below, above in zip(np.flatnonzero(saddle), *saddle_contours(mesh, ranks[saddle])):
+        change = name_change(below[~np.isnan(below)] < 0, above[~np.isnan(above)] < 0)
+        side[place] = EVENTS[change][0] if change in EVENTS else "A"
+        operation[place] = "union" if np.isnan(above[1]) else "separation"
+    return side.tolist(), operation.tolist()

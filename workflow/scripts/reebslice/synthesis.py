@@ -1,0 +1,153 @@
+"""From slices to Reeb graphs: edges, arcs and the three graphs."""
+
+from typing import NamedTuple
+
+import networkx as nx
+import numpy as np
+import pyarrow as pa
+import shapely
+
+from .blocks import block_regions, contour_curves, contour_rings, mend, region_levels, region_polygons
+from .graphs import arc_columns, augmented_graph, reeb_graph, trace_arcs
+from .parts import linked_parts, solid_parts, surface_parts
+from .schemas import build_table
+from .similarity import boolean_similarity, link_by_proximity, link_by_similarity
+
+METHODS = ("exact", "similarity", "proximity")
+SOLID_ATTRIBUTES = ("arc", "lower", "upper", "length", "volume", "similarity_min", "n_nodes")
+SURFACE_ATTRIBUTES = ("arc", "lower", "upper", "length", "area", "inner", "n_nodes")
+# what a joint does by how many items it has below and above (many: 2)
+GUESSED = {(0, 1): (0, "A", "creation"), (1, 0): (2, "B", "annihilation"), (2, 1): (1, "A", "union"), (1, 2): (1, "B", "separation")}
+
+
+class Synthesis(NamedTuple):
+    """The tables `edges` and `arcs` and the graphs, networkx MultiGraphs."""
+
+    edges: pa.Table
+    arcs: pa.Table
+    solid: nx.MultiGraph
+    surface: nx.MultiGraph
+    augmented: nx.MultiGraph
+
+
+def synthesize(contours, pieces, handles, nodes, rotation, method="exact"):
+    """Connect the levels: :class:`Synthesis`.
+
+    method : "exact", the links of the mesh; "similarity", Boolean 2D shape
+    similarity; "proximity", nearest centroids. All edges carry their Boolean
+    similarity, and `linked` says whether the mesh links their ends.
+    """
+    polygons = region_polygons(contours)
+    centres = contour_centres(contours, rotation)
+    material = np.column_stack([nodes[axis].to_numpy() for axis in "xyz"])
+    truth = block_links(pieces, contours)
+    if method == "exact":
+        solid, surface = solid_parts(pieces, contours, handles), surface_parts(pieces, handles)
+        rows = {row["handle"]: row for row in handles.to_pylist()}
+        pairs, solid_joints, surface_joints = sorted(truth), rows, rows
+    else:
+        link = {"similarity": link_by_similarity, "proximity": link_by_proximity}[method]
+        pairs = link_levels(region_levels(contours), polygons, link)
+        solid = linked_parts(region_levels(contours), pairs)
+        surface = linked_parts(contours["level"].to_numpy(), link_contours(contours, link))
+        solid_joints = surface_joints = {}
+    solid_joints = joint_rows(solid, material, nodes["height"].to_numpy(), solid_joints)
+    surface_joints = joint_rows(surface, centres, contours["height"].to_numpy(), surface_joints)
+    edges = edges_table(pairs, truth, solid, solid_joints, polygons, region_levels(contours), method)
+    similarity = dict(zip(zip(edges["source"].to_pylist(), edges["target"].to_pylist()), edges["similarity"].to_pylist()))
+    solid_arcs = arc_columns(trace_arcs(solid), "solid", solid_joints, material, similarity)
+    surface_arcs = arc_columns(trace_arcs(surface), "surface", surface_joints, centres, {})
+    arcs = build_table("arcs", {name: solid_arcs[name] + surface_arcs[name] for name in solid_arcs})
+    inner = contours["inner"].to_pylist()
+    rows = [row | {"n_nodes": len(row["nodes"])} for row in arcs.to_pylist()]
+    holes = [row | {"inner": inner[row["nodes"][0]] if row["nodes"] else False} for row in rows]
+    return Synthesis(
+        edges,
+        arcs,
+        reeb_graph([row for row in rows if row["graph"] == "solid"], solid_joints, SOLID_ATTRIBUTES, "s"),
+        reeb_graph([row for row in holes if row["graph"] == "surface"], surface_joints, SURFACE_ATTRIBUTES, "c"),
+        augmented_graph(solid, solid_joints, nodes, edges),
+    )
+
+
+def block_links(pieces, contours):
+    """The pairs of regions that one block joins, the lower first: {pair: block}."""
+    ends = zip(*block_regions(pieces, contours))
+    return {(low, high): block for block, (below, above) in enumerate(ends) for low in below for high in above}
+
+
+def link_levels(level, shapes, link):
+    """Links between consecutive levels by `link`, as sorted pairs of shape ids.
+
+    level : (R,) ascending; shapes : (R,) polygons.
+    """
+    start = np.searchsorted(level, np.arange(level.max() + 2))
+    pairs = []
+    for a, b, c in zip(start[:-2], start[1:-1], start[2:]):
+        pairs += [(int(a) + i, int(b) + j) for i, j in link(shapes[a:b], shapes[b:c])]
+    return pairs
+
+
+def link_contours(contours, link):
+    """Links between contours of consecutive levels, outer and inner ones apart."""
+    level, inner = contours["level"].to_numpy(), contours["inner"].to_numpy(zero_copy_only=False)
+    rings = contour_rings(contours)
+    shapes = np.full(len(rings), shapely.Polygon(), object)
+    usable = ~shapely.is_missing(rings)
+    shapes[usable] = shapely.polygons(rings[usable])
+    shapes = mend(shapes)
+    pairs = []
+    for kind in (inner, ~inner):
+        members = np.flatnonzero(kind)
+        if len(members):
+            pairs += [(int(members[i]), int(members[j])) for i, j in link_levels(level[members], shapes[members], link)]
+    return sorted(pairs)
+
+
+def contour_centres(contours, rotation):
+    """Centroids of the contours, (C, 3), model frame."""
+    centres = shapely.get_coordinates(shapely.centroid(contour_curves(contours)))
+    return np.column_stack([centres, contours["height"].to_numpy()]) @ np.asarray(rotation)
+
+
+def joint_rows(parts, points, height, handles):
+    """Rows {id: x, y, z, height, index, side, ...} of all joints of `parts`.
+
+    A joint that is no handle, because the mesh was not asked, lies amid the
+    points around it and has what their numbers suggest.
+    """
+    rows = {}
+    for part, (lower, upper, joints) in enumerate(zip(parts.below, parts.above, parts.joints)):
+        if joints and joints[0] in handles:
+            rows |= {joint: handles[joint] for joint in joints}
+        elif joints or len(lower) != 1 or len(upper) != 1:
+            index, side, operation = GUESSED.get((min(len(lower), 2), min(len(upper), 2)), (1, "", "compound"))
+            x, y, z = points[lower + upper].mean(axis=0).tolist()
+            rows[joints[0] if joints else -1 - part] = {
+                "handle": joints[0] if joints else -1 - part,
+                "x": x, "y": y, "z": z, "height": float(height[lower + upper].mean()),
+                "index": index, "side": side, "operation": operation, "change": None,
+                "branches": len(lower) != len(upper),
+            }  # fmt: skip
+    return rows
+
+
+def edges_table(pairs, truth, parts, joints, polygons, level, method):
+    """The table `edges`: one row per pair of linked regions, with similarity."""
+    part_of = {low: part for part, lower in enumerate(parts.below) for low in lower}
+    source, target = np.array(pairs, np.int64).reshape(-1, 2).T
+    inside = [parts.joints[part_of[low]] for low in source.tolist()]
+    return build_table(
+        "edges",
+        {
+            "edge": np.arange(len(pairs)),
+            "source": source,
+            "target": target,
+            "slab": level[source],
+            "handle": [members[0] if members else None for members in inside],
+            "operation": [joints[members[0]]["operation"] if members else "continuation" for members in inside],
+            **boolean_similarity(polygons[source], polygons[target]),
+            "linked": [pair in truth for pair in pairs],
+            "method": [method] * len(pairs),
+        },
+    )
