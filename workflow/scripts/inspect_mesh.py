@@ -1,0 +1,34 @@
+"""Read one mesh file, clean its surface, and accept or reject it.
+
+Writes the record `inspection.json`, also of a rejected mesh, and the surface
+that every later stage works on: `vertices`, `faces` and `shells`.
+"""
+
+from pathlib import Path
+
+from batches import Rejected, run_batch
+from mesh_formats import UnreadableMesh, read_mesh
+from reebslice.inspection import blank_record, inspect_surface
+from storage import write_json, write_table
+
+OUTPUTS = ("inspection.json", "vertices.parquet", "faces.parquet", "shells.parquet")
+
+
+def main(source, target, options):
+    """Inspect the mesh file `source`; leave `OUTPUTS` in the folder `target`."""
+    target = Path(target)
+    try:
+        points, faces = read_mesh(source)
+    except UnreadableMesh as error:
+        tables, inspection = None, blank_record(str(error))
+    else:
+        tables, inspection = inspect_surface(points, faces, options)
+    write_json(target / "inspection.json", inspection)
+    if tables is None:
+        raise Rejected(inspection["reason"])
+    for name, table in tables.items():
+        write_table(target / f"{name}.parquet", name, table)
+
+
+if "snakemake" in globals():
+    run_batch(snakemake, main, OUTPUTS)  # noqa: F821

@@ -1,0 +1,49 @@
+"""What makes the numbers of a mesh unusable, before any geometry."""
+
+import numpy as np
+
+# Beyond these, areas multiplied by areas leave the range of float64.
+LARGEST, SMALLEST = 1e75, 1e-75
+
+
+def find_fault(points, faces):
+    """Return what makes (n, 3) points and (m, 3) faces unusable as numbers, or None."""
+    if not len(faces):
+        return "The file holds no faces: it is empty or damaged; export the mesh again."
+    strays = np.argwhere((faces < 0) | (faces >= len(points)))
+    if len(strays):
+        face, corner = strays[0]
+        return (
+            f"{len(strays)} face corners name a vertex that does not exist, the first is vertex"
+            f" {faces[face, corner]} of {len(points)} in face {face}; the file is damaged:"
+            " export the mesh again."
+        )
+    used = find_used(len(points), faces)
+    corners = points[used]
+    bad = np.flatnonzero(~np.isfinite(corners).all(axis=1))
+    if len(bad):
+        return (
+            f"{len(bad)} vertices have coordinates that are not finite numbers, the first is"
+            f" vertex {used[bad[0]]} at {tell_place(corners[bad[0]])}; mend or remove them in the"
+            " program that wrote the file."
+        )
+    reach, extent = np.abs(corners).max(), np.ptp(corners, axis=0).max()
+    if reach > LARGEST or extent < SMALLEST:
+        return (
+            f"Coordinates reach {reach:.3g} over an extent of {extent:.3g}, where areas and"
+            f" volumes leave the range of numbers, the first vertex is at {tell_place(corners[0])};"
+            " scale the mesh to an ordinary size."
+        )
+    return None
+
+
+def find_used(n_points, faces):
+    """Return, ascending, the ids of the points that occur in faces."""
+    used = np.zeros(n_points, bool)
+    used[faces] = True
+    return np.flatnonzero(used)
+
+
+def tell_place(point):
+    """Return a point as text, in as many digits as find it again."""
+    return "({})".format(", ".join(f"{x:.6g}" for x in point))

@@ -1,0 +1,216 @@
+"""Shells: which is inside which, and on which side of each the material is.
+
+A shell is a connected component of the surface. Its sign is +1 where its
+faces are counter-clockwise seen from outside it (it encloses a volume), -1
+where they are clockwise (it encloses a void).
+"""
+
+from fractions import Fraction
+
+import numpy as np
+from numba import njit
+
+SAMPLES = 33  # faces of a shell that vote on what it is inside
+
+
+def measure_shells(points, faces, shell, n_shells):
+    """Return the area and the signed volume of each shell, two (s,) float64.
+
+    points (n, 3) and faces (m, 3) in mesh units; shell (m,) the shell of each
+    face. Volumes are taken about a point of the shell, so that a small part
+    far from the origin keeps its digits; where rounding could hide the sign,
+    the volume is summed exactly: 0.0 means that it is zero.
+    """
+    first = np.full(n_shells, len(faces))
+    np.minimum.at(first, shell, np.arange(len(faces)))
+    centre = points[faces[first, 0]]
+    a, b, c = (points[faces[:, k]] - centre[shell] for k in range(3))
+    area = np.linalg.norm(np.cross(b - a, c - a), axis=1) / 2
+    share = np.einsum("ij,ij->i", a, np.cross(b, c)) / 6
+    size = np.einsum("ij,ij->i", np.abs(a), np.abs(b)[:, [1, 2, 0]] * np.abs(c)[:, [2, 0, 1]])
+    size += np.einsum("ij,ij->i", np.abs(a), np.abs(b)[:, [2, 0, 1]] * np.abs(c)[:, [1, 2, 0]])
+    areas, volumes, sizes = (
+        np.bincount(shell, weights, n_shells) for weights in (area, share, size)
+    )
+    # Differences and products round by 1e-16 each, sums by the square root of their length.
+    noise = 2e-15 * sizes * np.sqrt(np.bincount(shell, minlength=n_shells))
+    for doubtful in np.flatnonzero(np.abs(volumes) <= noise):
+        volumes[doubtful] = sum_volume_exactly(points, faces[shell == doubtful])
+    return areas, volumes
+
+
+def sum_volume_exactly(points, faces):
+    """Return the signed volume of closed `faces`, correctly rounded."""
+    used, local = np.unique(faces, return_inverse=True)
+    exact = [[Fraction(float(x)) for x in point] for point in points[used]]
+    six = Fraction(0)
+    for i, j, k in local.reshape(-1, 3):
+        (ax, ay, az), (bx, by, bz), (cx, cy, cz) = exact[i], exact[j], exact[k]
+        six += ax * (by * cz - bz * cy) + ay * (bz * cx - bx * cz) + az * (bx * cy - by * cx)
+    return float(six / 6)
+
+
+def find_enclosing(points, faces, shell, n_shells):
+    """Return, for each shell, the sorted list of the shells that enclose it.
+
+    A shell encloses another if its box does and if most of `SAMPLES` face
+    centres of the other are inside it, by the parity of an upward ray. Centres
+    on the shell itself, to rounding, do not vote, so that of two coinciding
+    shells none encloses the other.
+    """
+    order = np.argsort(shell, kind="stable")
+    bounds = np.searchsorted(shell[order], np.arange(n_shells + 1))
+    members = [order[bounds[s] : bounds[s + 1]] for s in range(n_shells)]
+    low = np.array([points[faces[member]].min(axis=(0, 1)) for member in members])
+    high = np.array([points[faces[member]].max(axis=(0, 1)) for member in members])
+    centres = [_sample_centres(points, faces[member]) for member in members]
+    enclosing = [[] for _ in range(n_shells)]
+    for outer in range(n_shells):
+        boxed = np.all((low >= low[outer]) & (high <= high[outer]), axis=1)
+        boxed[outer] = False
+        inner = np.flatnonzero(boxed)
+        if len(inner):
+            votes = _count_votes(points, faces[members[outer]], [centres[s] for s in inner])
+            for one in inner[votes > 0]:
+                enclosing[one].append(outer)
+    return enclosing
+
+
+def _sample_centres(points, faces):
+    chosen = np.unique(np.linspace(0, len(faces) - 1, SAMPLES).astype(np.int64))
+    a, b, c = (points[faces[chosen, k]] for k in range(3))
+    return a + ((b - a) + (c - a)) / 3
+
+
+def _count_votes(points, faces, groups):
+    """Return, for each group of query points, the points inside minus those outside."""
+    queries = np.concatenate(groups)
+    group = np.repeat(np.arange(len(groups)), [len(one) for one in groups])
+    order = np.argsort(queries[:, 0], kind="stable")
+    margin = 1e-14 * (np.abs(points[faces]).max() + np.ptp(points[faces], axis=(0, 1)).max())
+    inside, on = cast_rays(points, faces, queries[order], margin)
+    vote = np.where(on, 0, np.where(inside, 1, -1))
+    return np.bincount(group[order], vote, len(groups))
+
+
+@njit(cache=True)
+def _edge_crosses(points, i, j, px, py):
+    # Ends in the order of their ids: both faces of a mesh edge then compute
+    # the same number, and the ray passes it on the same side for both.
+    if i > j:
+        i, j = j, i
+    xa, xb = points[i, 0], points[j, 0]
+    if (xa <= px) == (xb <= px):
+        return False
+    ya, yb = points[i, 1], points[j, 1]
+    return ya + (yb - ya) * ((px - xa) / (xb - xa)) > py
+
+
+@njit(cache=True)
+def _height_on_face(points, face, px, py):
+    ax, ay, az = points[face[0]]
+    bx, by, bz = points[face[1]]
+    cx, cy, cz = points[face[2]]
+    ux, uy, uz = bx - ax, by - ay, bz - az
+    vx, vy, vz = cx - ax, cy - ay, cz - az
+    normal = ux * vy - uy * vx
+    low, high = min(az, bz, cz), max(az, bz, cz)
+    if normal == 0.0:
+        return low, high
+    s = ((px - ax) * vy - (py - ay) * vx) / normal
+    t = (ux * (py - ay) - uy * (px - ax)) / normal
+    z = min(max(az + s * uz + t * vz, low), high)
+    return z, z
+
+
+@njit(cache=True)
+def cast_rays(points, faces, queries, margin):
+    """Tell which of `queries` (q, 3), sorted by x, are inside the closed `faces`.
+
+    Returns two (q,) bool: inside, by the parity of the faces above; and on the
+    surface within `margin`, where the first says nothing. A ray that meets a
+    mesh edge or a vertex meets one face of those around it, or a number that
+    leaves the parity right: edges are tested once and for all, over half-open
+    intervals of x.
+    """
+    n_queries = len(queries)
+    inside = np.zeros(n_queries, np.bool_)
+    on = np.zeros(n_queries, np.bool_)
+    xs = queries[:, 0].copy()
+    for f in range(len(faces)):
+        i, j, k = faces[f]
+        low = min(points[i, 0], points[j, 0], points[k, 0])
+        high = max(points[i, 0], points[j, 0], points[k, 0])
+        q = np.searchsorted(xs, low)
+        while q < n_queries and xs[q] <= high:
+            px, py, pz = queries[q]
+            hit = (
+                _edge_crosses(points, i, j, px, py)
+                ^ _edge_crosses(points, j, k, px, py)
+                ^ _edge_crosses(points, k, i, px, py)
+            )
+            if hit:
+                below, above = _height_on_face(points, faces[f], px, py)
+                if below - margin <= pz <= above + margin:
+                    on[q] = True
+                elif below > pz:
+                    inside[q] = not inside[q]
+            q += 1
+    return inside, on
+
+
+def nest_shells(enclosing, signs, volumes, free):
+    """Decide the sign, the body and the parent of every shell.
+
+    enclosing : list of lists, the shells around each shell. signs : (s,) +1 or
+    -1 as the file has them. volumes : (s,) absolute volumes. free : (s,) bool,
+    shells whose own sign means nothing (their winding was inconsistent).
+
+    From the outside inward, W is the sum of the signs of the shells around
+    one. A positive shell is a body, inside another one too: overlapping bodies
+    stay apart. A negative one is a void where W >= 1, and else is turned over.
+    A free one is a void where W is odd. A nest that is, shell by shell, the
+    mirror image of bodies and voids in turn is turned over as a whole.
+
+    Returns `signs` (s,), `body` (s,): the shell itself, or for a void the
+    smallest body around it that is solid there; and `parent` (s,): the
+    smallest shell around it, or -1.
+    """
+    depth = np.array([len(around) for around in enclosing])
+    signs = _mirror_nests(enclosing, depth, np.array(signs), free)
+    body = np.arange(len(signs))
+    parent = np.full(len(signs), -1)
+    for one in np.lexsort((np.arange(len(signs)), -volumes, depth)):
+        around = enclosing[one]
+        winding = signs[around].sum() if len(around) else 0
+        if free[one]:
+            signs[one] = -1 if winding % 2 else 1
+        elif winding <= 0:
+            signs[one] = 1
+        if len(around):
+            parent[one] = min(around, key=lambda other: (volumes[other], other))
+        if signs[one] < 0:
+            body[one] = _find_body(around, signs, body, volumes, parent[one])
+    return signs, body, parent
+
+
+def _mirror_nests(enclosing, depth, signs, free):
+    """Turn over each nest whose signs run -, +, -, .. from the outside inward."""
+    root = np.array(
+        [next((o for o in around if depth[o] == 0), s) for s, around in enumerate(enclosing)],
+        dtype=np.int64,
+    )
+    mirrored = free | (signs == np.where(depth % 2, 1, -1))
+    whole = np.ones(len(signs), bool)
+    np.logical_and.at(whole, root, mirrored)
+    return np.where(whole[root], -signs, signs)
+
+
+def _find_body(around, signs, body, volumes, otherwise):
+    solid = [
+        other
+        for other in around
+        if signs[other] > 0 and not any(signs[v] < 0 and body[v] == other for v in around)
+    ]
+    solid = solid or [other for other in around if signs[other] > 0] or [otherwise]
+    return min(solid, key=lambda other: (volumes[other], other))
