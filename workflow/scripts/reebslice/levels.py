@@ -5,7 +5,6 @@ from typing import NamedTuple
 
 import numpy as np
 
-from .critical import vertex_indices
 from .pairing import critical_persistence, pair_in_slabs
 from .pieces import Pieces, find_pieces
 from .regions import Regions, find_blocks, find_regions, host_unseen_voids
@@ -105,7 +104,7 @@ def cut_surface(mesh, levels, body_of_vertex):
     """Cut at the given levels: :class:`Slices`. body_of_vertex : (n,) int32."""
     contours = trace_contours(mesh, levels)
     pieces = find_pieces(mesh, levels, contours, pair_in_slabs(mesh, levels, contours))
-    regions = find_regions(contours, pieces, body_of_vertex[contours.lower])
+    regions = find_regions(mesh, levels, contours, pieces, body_of_vertex[contours.lower])
     hosts = host_unseen_voids(mesh, levels, contours, pieces, body_of_vertex)
     return Slices(levels, contours, pieces, regions, *find_blocks(pieces, contours, regions, hosts))
 
@@ -116,8 +115,10 @@ def slice_surface(mesh, body_of_vertex, distance, refine="feature", feature_size
     distance, feature_size : mesh units, feature_size defaults to 2 x distance
     refine : "none"; "feature", separate critical points of one piece or block
         that both have at least the persistence `feature_size`; "exact",
-        separate them all, after which no piece holds more than one and the
-        graph is that of the surface, whatever the distance.
+        separate all whose persistence is not zero, and whatever keeps a piece
+        from being elementary: the graph is then that of the surface, whatever
+        the distance. (Pairs at one height, inside a flat, are made by the
+        order of ranks alone and are no features of the height.)
 
     Each pass puts the fewest levels that separate the critical points in
     question into the slabs that need it, and nowhere else.
@@ -125,27 +126,29 @@ def slice_surface(mesh, body_of_vertex, distance, refine="feature", feature_size
     heights = uniform_heights(mesh.points[0, 2], mesh.points[-1, 2], distance)
     levels = make_levels(mesh, heights)
     refined = np.zeros(len(heights), bool)
-    significant = vertex_indices(mesh) != 0
-    if refine == "feature":
-        size = 2 * distance if feature_size is None else feature_size
-        significant &= critical_persistence(mesh) >= size
+    persistence = critical_persistence(mesh)  # NaN at regular vertices
+    size = 2 * distance if feature_size is None else feature_size
+    significant = persistence > 0 if refine == "exact" else persistence >= size
     while True:
         slices = cut_surface(mesh, levels, body_of_vertex)
-        intervals = [] if refine == "none" else crowded_intervals(mesh, slices, significant)
+        intervals = [] if refine == "none" else crowded_intervals(slices, significant, refine == "exact")
         if not intervals:
             return slices, refined
         levels, refined = _insert(levels, refined, [cut_between(mesh, *pair) for pair in pierce(intervals)])
 
 
-def crowded_intervals(mesh, slices, significant):
+def crowded_intervals(slices, significant, elementary):
     """Pairs of critical points that a further level should separate: [(low, high)].
 
     Consecutive significant ones of a piece, and of a block with several
-    events of which one changes the number of regions. significant : (n,) bool.
+    events of which one changes the number of regions. significant : (n,) bool;
+    elementary : whether all pieces are to become so, be their critical points
+    significant or not.
     """
     ranks = np.flatnonzero(significant)
     groups = _members(slices.pieces.of_vertex[ranks], len(slices.pieces.slab), ranks)
-    groups += [block[significant[block]] for block in crowded_blocks(slices)]
+    blocks = crowded_blocks(slices)
+    groups += slices.pieces.critical + blocks if elementary else [block[significant[block]] for block in blocks]
     return sorted({pair for group in groups for pair in zip(group[:-1].tolist(), group[1:].tolist())})
 
 

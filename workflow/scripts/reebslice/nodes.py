@@ -21,7 +21,8 @@ def sample_nodes(contours, pieces, levels, rotation, sampler="inscribed"):
 
     sampler : "inscribed", centre of the largest inscribed circle, which leads
         along the medial axis; "representative", some point inside;
-        "centroid", the centre of area, which may lie in a hole.
+        "centroid", the centre of area; where that is outside the material,
+        some point inside.
     rotation : (3, 3) to the tilted frame; nodes are given in the model frame.
 
     A region too thin to hold a point in floating point gets a point of its
@@ -29,8 +30,10 @@ def sample_nodes(contours, pieces, levels, rotation, sampler="inscribed"):
     """
     regions = region_polygons(contours)
     level = region_levels(contours)
-    place = {"inscribed": inscribed_points, "representative": shapely.point_on_surface, "centroid": shapely.centroid}
-    points = place[sampler](regions)
+    points = inscribed_points(regions) if sampler == "inscribed" else shapely.point_on_surface(regions)
+    if sampler == "centroid":
+        centre = shapely.centroid(regions)
+        points = np.where(shapely.contains(regions, centre), centre, points)
     if sampler == "inscribed":
         points = steady_points(regions, points, level, single_predecessors(contours, pieces, len(regions)))
     points = np.where(shapely.is_empty(points), _first_points(contours, len(regions)), points)

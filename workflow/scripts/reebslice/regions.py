@@ -8,7 +8,7 @@ from numba import njit
 from scipy.sparse.csgraph import connected_components
 
 from .pairing import find, join
-from .slicing import measure_contours
+from .slicing import emerging_areas, measure_contours
 
 
 class Regions(NamedTuple):
@@ -26,17 +26,19 @@ class Regions(NamedTuple):
     parent: np.ndarray
 
 
-def find_regions(contours, pieces, body):
+def find_regions(mesh, levels, contours, pieces, body):
     """The :class:`Regions` of a sliced surface.
 
     body : (C,) the body of each contour's shell. A hole belongs to the
     smallest outer contour around it of the same body, so bodies that overlap
-    stay apart. A hole with no such contour, which only a surface that crosses
-    itself can have, counts as a region of its own.
+    stay apart.
     """
     area, perimeter = measure_contours(contours)
-    inner = _inner_contours(pieces, area, perimeter)
+    inner = _inner_contours(mesh, levels, contours, pieces, area, perimeter)
     parent, outer = _nest(contours.level, contours.start, contours.points, np.abs(area), inner, body)
+    for hole in np.flatnonzero(inner & (outer < 0)):
+        outer[hole] = _nearest_outer(hole, contours.level, pieces, np.abs(area), inner, body)
+        parent[hole] = outer[hole] if parent[hole] < 0 else parent[hole]
     head = np.where(inner & (outer >= 0), outer, np.arange(len(inner)))
     outers = np.flatnonzero(head == np.arange(len(head))).astype(np.int32)
     name = np.full(len(head), -1, np.int32)
@@ -44,20 +46,41 @@ def find_regions(contours, pieces, body):
     return Regions(contours.level[outers], outers, name[head], inner, parent)
 
 
-def _inner_contours(pieces, area, perimeter):
+def _inner_contours(mesh, levels, contours, pieces, area, perimeter):
     """Whether each contour is a hole: (C,) bool.
 
     Along a chain of cylinders an outer contour stays outer and a hole stays a
     hole, so the chain is decided at once, by its contour whose area is
-    largest for its perimeter: rounding never turns a tiny contour around.
+    largest for its perimeter: rounding never turns a tiny contour around. A
+    chain inside a flat, whose contours enclose nothing, is decided by the
+    areas that the infinitesimal tilt gives them.
     """
     chain = _cylinder_chains(pieces, len(area))
-    roundness = np.divide(area, perimeter**2, out=np.zeros_like(area), where=perimeter > 0)
+    rounding = 64 * np.finfo(float).eps * np.abs(mesh.points[[0, -1]]).max()
+    certain = np.abs(area) > rounding * (perimeter + rounding)
+    roundness = np.divide(area, perimeter**2, out=np.zeros_like(area), where=certain)
+    flat = np.ones(chain.max() + 1 if len(chain) else 0, bool)
+    flat[chain[certain]] = False
+    thin = np.flatnonzero(flat[chain])
+    roundness[thin] = emerging_areas(mesh, levels, contours, thin)
     order = np.lexsort((np.abs(roundness), chain))
     last = np.flatnonzero(np.diff(chain[order], append=-1))
     surest = np.zeros(len(area))
     surest[chain[order[last]]] = roundness[order[last]]
     return surest[chain] < 0
+
+
+def _nearest_outer(hole, level, pieces, size, inner, body):
+    """The outer contour for a hole that lies in none: (-1: there is none at its level).
+
+    Only a surface that crosses itself has such holes, or rounding. Taken is an
+    outer contour that bounds the same piece, else the largest of the body.
+    """
+    others = np.flatnonzero((level == level[hole]) & ~inner & (body == body[hole]))
+    if len(others) == 0:
+        return -1
+    joined = (pieces.above[others] == pieces.above[hole]) | (pieces.below[others] == pieces.below[hole])
+    return int(others[np.lexsort((size[others], joined))[-1]])
 
 
 def _cylinder_chains(pieces, n_contours):
@@ -75,8 +98,8 @@ def _cylinder_chains(pieces, n_contours):
 def _nest(level, start, points, size, inner, body):
     """Smallest contour around each one, and smallest outer one of its body (-1: none).
 
-    A contour is tested by the middle of its longest segment, which lies off
-    every other contour even where contours touch in a point.
+    Contours may touch, and inside a flat even share segments, so a contour is
+    tested by a point inside it; what is around it is no smaller than itself.
     """
     n = len(level)
     box = np.empty((n, 4))
@@ -85,12 +108,7 @@ def _nest(level, start, points, size, inner, body):
         ring = points[start[c] : start[c + 1]]
         box[c, 0], box[c, 1] = ring[:, 0].min(), ring[:, 1].min()
         box[c, 2], box[c, 3] = ring[:, 0].max(), ring[:, 1].max()
-        longest = -1.0
-        for i in range(len(ring)):
-            dx, dy = ring[i, 0] - ring[i - 1, 0], ring[i, 1] - ring[i - 1, 1]
-            if dx * dx + dy * dy > longest:
-                longest = dx * dx + dy * dy
-                probe[c, 0], probe[c, 1] = 0.5 * (ring[i, 0] + ring[i - 1, 0]), 0.5 * (ring[i, 1] + ring[i - 1, 1])
+        probe[c, 0], probe[c, 1] = _point_inside(ring)
     parent, outer = np.full(n, -1, np.int32), np.full(n, -1, np.int32)
     first = 0
     while first < n:
@@ -116,6 +134,40 @@ def _nest(level, start, points, size, inner, body):
                         break
         first = end
     return parent, outer
+
+
+@njit(cache=True)
+def _point_inside(ring):
+    """The middle of the widest stretch inside a ring on a line halfway up.
+
+    The line runs between two of its points' y, so it meets none of them. A
+    ring that is all in one line gives the middle of its longest segment.
+    """
+    middle = 0.5 * (ring[:, 1].min() + ring[:, 1].max())
+    low, high = -np.inf, np.inf
+    for i in range(len(ring)):
+        if ring[i, 1] <= middle:
+            low = max(low, ring[i, 1])
+        else:
+            high = min(high, ring[i, 1])
+    y = 0.5 * (low + high)
+    hits = np.empty(len(ring))
+    count = 0
+    longest, x_longest, y_longest = -1.0, 0.0, 0.0
+    for i in range(len(ring)):
+        (px, py), (qx, qy) = ring[i - 1], ring[i]
+        if (py > y) != (qy > y):
+            hits[count] = px + (y - py) / (qy - py) * (qx - px)
+            count += 1
+        length = (qx - px) ** 2 + (qy - py) ** 2
+        if length > longest:
+            longest, x_longest, y_longest = length, 0.5 * (px + qx), 0.5 * (py + qy)
+    stretches = np.sort(hits[:count])
+    widest, x = 0.0, x_longest
+    for i in range(0, count - 1, 2):
+        if stretches[i + 1] - stretches[i] > widest:
+            widest, x = stretches[i + 1] - stretches[i], 0.5 * (stretches[i] + stretches[i + 1])
+    return x, (y if widest > 0.0 else y_longest)
 
 
 @njit(cache=True, inline="always")

@@ -160,3 +160,60 @@ def _measure(points, start):
             perimeter[c] += np.hypot(qx - px, qy - py)
             px, py = qx, qy
     return area, perimeter
+
+
+def emerging_areas(mesh, levels, contours, chosen):
+    """How the signed area of the `chosen` contours changes with the tilt, (k,) float64.
+
+    A contour inside a flat may enclose nothing: its area is zero in the plane
+    z, and of the order of the infinitesimal tilt in the tilted one. This is
+    the coefficient of that order, so its sign is the sign of the area. At an
+    ordinary level it is the rate at which the area grows with height.
+    """
+    return _emerging_areas(
+        mesh.points, mesh.faces, mesh.twins, vertex_slabs(mesh, levels), contours.offset, contours.label,
+        contours.level, levels.height, levels.tie_x, levels.tie_y, np.asarray(chosen, np.int64),
+    )  # fmt: skip
+
+
+@njit(cache=True)
+def _emerging_areas(points, faces, twins, slab, offset, label, level, height, tie_x, tie_y, chosen):
+    first = np.full(len(level), -1, np.int64)
+    for h in range(3 * faces.shape[0]):
+        for i in range(offset[h], offset[h + 1]):
+            if first[label[i]] < 0:
+                first[label[i]] = h
+    out = np.zeros(len(chosen))
+    for place in range(len(chosen)):
+        k, start = level[chosen[place]], first[chosen[place]]
+        # the last crossing closes the curve, so walk it once before the first
+        h, began = start, False
+        px, py, pu, pv = 0.0, 0.0, 0.0, 0.0
+        while True:
+            low, high = faces[h // 3, h % 3], faces[h // 3, (h % 3 + 1) % 3]
+            x, y = cross_at(points[low], points[high], height[k], tie_x[k], tie_y[k])
+            rate = _crossing_rate(points[low], points[high], height[k], tie_x[k], tie_y[k])
+            u, v = rate * (points[high, 0] - points[low, 0]), rate * (points[high, 1] - points[low, 1])
+            x, y = x - points[faces[start // 3, start % 3], 0], y - points[faces[start // 3, start % 3], 1]
+            if began:
+                out[place] += 0.5 * (px * v - py * u + pu * y - pv * x)
+                if h == start:
+                    break
+            began = True
+            px, py, pu, pv = x, y, u, v
+            h = _next_crossing(faces, twins, slab, h, k)
+    return out
+
+
+@njit(cache=True, inline="always")
+def _crossing_rate(low, high, z, x, y):
+    """By how much of the mesh edge the crossing moves per unit of tilt (see cross_at)."""
+    if low[2] < high[2]:
+        if np.isnan(x):
+            return 1.0 / (high[2] - low[2])
+        t = (z - low[2]) / (high[2] - low[2])
+        return (x - low[0] - t * (high[0] - low[0])) / (high[2] - low[2])
+    if low[0] < high[0]:
+        t = (x - low[0]) / (high[0] - low[0])
+        return (y - low[1] - t * (high[1] - low[1])) / (high[0] - low[0])
+    return 0.0
