@@ -1,0 +1,94 @@
+"""Run the stages on one solid in a folder, and hand back everything they wrote."""
+
+import importlib
+import json
+from dataclasses import dataclass
+from pathlib import Path
+
+import networkx as nx
+import numpy as np
+
+from reebslice.schemas import EVENTS
+from storage import read_table
+
+STAGES = {
+    "inspect_mesh": "inspect",
+    "select_tilt": "tilt",
+    "slice_mesh": "levels",
+    "classify_handles": None,
+    "sample_nodes": "nodes",
+    "synthesize_edges": "edges",
+}
+OPTIONS = {
+    "inspect": {"repair": ["merge", "duplicates", "split", "orient"], "merge_tolerance": 1e-6},
+    "tilt": {"mode": "none", "direction": None, "cone": 15, "candidates": 8, "seed": 0},
+    "levels": {"distance": 0.1, "units": "relative", "refine": "exact", "feature_size": 0.2},
+    "nodes": {"sampler": "representative"},
+    "edges": {"method": "exact"},
+}
+TABLES = ("vertices", "faces", "shells", "levels", "contours", "pieces", "handles", "nodes", "edges", "arcs")
+
+
+@dataclass
+class Result:
+    """Tables as {name: list of rows}, graphs as MultiGraphs, and the surface in the tilted frame."""
+
+    tables: dict
+    graphs: dict
+    tilt: dict
+    points: list
+    faces: list
+
+    def __getattr__(self, name):
+        return self.tables[name]
+
+    def labelled(self, name):
+        """The graph `name` with what `reference.compare_graphs` looks at on its nodes."""
+        graph = self.graphs[name].copy()
+        for node, data in graph.nodes(data=True):
+            handle = self.handles[int(data["handle"])]
+            _, _, outer, inner, _, _ = EVENTS.get(handle["change"], (None,) * 6)
+            data.update(vertex=handle["vertex"], outer=outer, inner=inner)
+            if data.get("change") == "":
+                data["change"] = None
+        return graph
+
+
+def missing_stages():
+    """The stages that cannot be imported."""
+    return [stage for stage in STAGES if importlib.util.find_spec(stage) is None]
+
+
+def write_off(path, solid):
+    """A mesh file that keeps every digit."""
+    lines = ["OFF", f"{len(solid.points)} {len(solid.faces)} 0"]
+    lines += [" ".join(map(repr, point)) for point in solid.points.tolist()]
+    lines += ["3 " + " ".join(map(str, face)) for face in solid.faces.tolist()]
+    Path(path).write_text("\n".join(lines) + "\n")
+
+
+def run_stages(solid, folder, **sections):
+    """Run all stages on `solid` in the empty `folder`; `sections` alter the options.
+
+    For instance ``tilt={"mode": "auto"}, levels={"distance": 0.05}``.
+    """
+    folder = Path(folder)
+    write_off(folder / "model.off", solid)
+    for stage, section in STAGES.items():
+        options = OPTIONS.get(section, {}) | sections.get(section, {})
+        source = folder / "model.off" if stage == "inspect_mesh" else folder
+        importlib.import_module(stage).main(source, folder, options)
+    tables = {name: read_table(folder / f"{name}.parquet", name).to_pylist() for name in TABLES}
+    graphs = {
+        name: nx.read_graphml(folder / f"{name}.graphml", force_multigraph=True)
+        for name in ("solid", "surface", "augmented")
+    }
+    tilt = json.loads((folder / "tilt.json").read_text())
+    vertices = np.array([[row["x"], row["y"], row["z"]] for row in tables["vertices"]])
+    faces = [(row["a"], row["b"], row["c"]) for row in tables["faces"]]
+    return Result(tables, graphs, tilt, tilt_points(vertices, tilt["rotation"]), faces)
+
+
+def tilt_points(points, rotation):
+    """Rows of rotation @ point, in the order of operations that the height is defined by."""
+    return [tuple(float(a * x + b * y + c * z) for a, b, c in rotation) for x, y, z in points.tolist()]

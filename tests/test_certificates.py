@@ -1,0 +1,374 @@
+"""The certificate is sound: what the pipeline makes holds, and whatever is altered is caught."""
+
+from functools import cache
+from tempfile import TemporaryDirectory
+
+import networkx as nx
+import numpy as np
+import pyarrow as pa
+import pytest
+import shapely
+
+from certify import mesh_lengths
+from pipeline import TABLES, run_stages
+from reebslice.certificates import certify
+from reebslice.schemas import EVENTS, PIECE_KINDS, SCHEMAS
+from solids import (
+    bowl_shape, cube, cup, hollow_ball, icosphere, linked_rings, monkey_saddle, move, nested_shells, overhang, plate,
+    torus, unite,
+)  # fmt: skip
+from storage import read_json, read_table
+
+# Columns that state a choice or a reading that no invariant hangs on.
+FREE = {("levels", "why"), ("shells", "parent")}
+GRAPHS = ("solid", "surface", "augmented")
+
+
+def mixture():
+    """A hollow ball, a standing torus, a four-fold saddle and a cup, apart."""
+    return unite(
+        hollow_ball(),
+        move(torus(upright=True), [6, 0, 0.3]),
+        move(monkey_saddle(4), [0, 5, 0]),
+        move(cup(), [5, 5, 0.2]),
+    )
+
+
+@cache
+def results(name):
+    """Tables, tilt and graphs that the pipeline makes of a solid."""
+    solid, direction, levels = {
+        "mixture": (mixture(), [0.1, 0.2, 0.97], {}),
+        "coarse": (mixture(), [0.1, 0.2, 0.97], {"refine": "none", "distance": 0.4}),
+        "flat": (plate(3, upright=True), [0, 0, 1], {}),
+    }[name]
+    return run(solid, direction, levels)
+
+
+def run(solid, direction, levels):
+    with TemporaryDirectory() as folder:
+        run_stages(solid, folder, tilt={"mode": "direction", "direction": direction}, levels=levels)
+        tables = {table: read_table(f"{folder}/{table}.parquet", table) for table in TABLES}
+        graphs = {g: nx.read_graphml(f"{folder}/{g}.graphml", force_multigraph=True) for g in GRAPHS}
+        return tables, read_json(f"{folder}/tilt.json"), graphs
+
+
+def certificate(tables, tilt, graphs, feature_size=0.2):
+    return certify(tables, tilt, graphs, feature_size)
+
+
+def failures(found):
+    return [name for name, check in found["checks"].items() if not check["holds"]]
+
+
+def alter(tables, name, change):
+    """The tables with the rows of one of them changed: change(rows) in place."""
+    rows = tables[name].to_pylist()
+    change(rows)
+    return tables | {name: pa.Table.from_pylist(rows, schema=SCHEMAS[name])}
+
+
+def caught(tables, tilt, graphs):
+    found = certificate(tables, tilt, graphs)
+    return found["verdict"] == "uncertified" and bool(failures(found))
+
+
+# --------------------------------------------------------------------------
+# What is right holds
+
+
+@pytest.mark.parametrize("name", ["mixture", "flat"])
+def test_a_resolved_model_is_exact(name):
+    found = certificate(*results(name))
+    assert failures(found) == []
+    assert found["verdict"] == "exact"
+    assert found["hidden_genus"] == found["compound"] == found["unseen"] == 0
+
+
+def test_the_figures_of_the_mixture():
+    found = certificate(*results("mixture"))
+    assert found["euler_characteristic"] == 8 and found["genus"] == 1 and found["voids"] == 1
+    assert found["betti_solid"] == [4, 1, 1]
+    assert found["loops_surface"] == found["loops_solid"] == 1
+    assert found["similarity"]["max"] <= 1
+
+
+@pytest.mark.parametrize(
+    "solid", [cube(1), bowl_shape(), overhang(), linked_rings(), nested_shells(3), monkey_saddle(5), icosphere(2)]
+)
+@pytest.mark.parametrize("refine", ["exact", "feature", "none"])
+def test_what_the_pipeline_makes_holds(solid, refine):
+    found = certificate(*run(solid, [0, 0, 1], {"refine": refine}))
+    assert failures(found) == []
+
+
+def test_a_coarse_model_is_not_called_exact():
+    results_ = results("coarse")
+    assert failures(certificate(*results_)) == []
+    assert certificate(*results_, feature_size=1e-3)["verdict"] == "uncertified"
+    assert certificate(*results_, feature_size=100.0)["verdict"] != "exact"
+
+
+def test_lengths_are_relative_to_the_height_range():
+    tables, tilt, _ = results("flat")
+    size, distance = mesh_lengths(
+        tables["vertices"], tilt, {"distance": 0.1, "units": "relative", "feature_size": None}
+    )
+    assert (size, distance) == pytest.approx((0.2 * 7, 0.1 * 7)) or size == pytest.approx(2 * distance)
+    assert mesh_lengths(tables["vertices"], tilt, {"distance": None, "units": "absolute", "feature_size": 3.0}) == (
+        3.0,
+        1.5,
+    )
+
+
+# --------------------------------------------------------------------------
+# What is altered is caught
+
+
+def another(value, field):
+    """A value of the same type that says something else."""
+    if isinstance(value, bool):
+        return not value
+    if isinstance(value, int):
+        return value + 1
+    if isinstance(value, float):
+        return value * 1.001 + 1e-3
+    if isinstance(value, bytes):
+        curve = shapely.from_wkb(value)
+        return shapely.to_wkb(shapely.transform(curve, lambda points: points + [1e-3, 0.0]))
+    if isinstance(value, list):
+        return value[:-1] if value else [0]
+    if isinstance(value, str):
+        return (
+            {**{k: "compound" for k in PIECE_KINDS}, "compound": "join", "A": "B", "B": "A", "exact": "proximity"}.get(
+                value,
+                "union" if value in ("continuation", "separation", "creation", "annihilation") else "continuation",
+            )
+            if value not in EVENTS and value != "union"
+            else {"union": "separation"}.get(value, next(e for e in EVENTS if e != value))
+        )
+    return 0 if pa.types.is_integer(field.type) else 0.5 if pa.types.is_floating(field.type) else "->o"
+
+
+COLUMNS = [(name, field.name) for name in TABLES for field in SCHEMAS[name] if (name, field.name) not in FREE]
+
+
+@pytest.mark.parametrize("name, column", COLUMNS)
+def test_every_column_is_held_against_the_mesh(name, column):
+    tables, tilt, graphs = results("mixture")
+    row = tables[name].num_rows * 2 // 3
+
+    def change(rows):
+        rows[row][column] = another(rows[row][column], SCHEMAS[name].field(column))
+
+    assert caught(alter(tables, name, change), tilt, graphs)
+
+
+@pytest.mark.parametrize("name", [name for name in TABLES])
+def test_a_row_too_few_or_too_many_is_caught(name):
+    tables, tilt, graphs = results("mixture")
+    assert caught(alter(tables, name, lambda rows: rows.pop()), tilt, graphs)
+    assert caught(alter(tables, name, lambda rows: rows.append(dict(rows[-1]))), tilt, graphs)
+
+
+def renumbered(rows, key):
+    for place, row in enumerate(rows):
+        row[key] = place
+
+
+def drop_edge(tables):
+    def change(rows):
+        del rows[len(rows) // 2]
+        renumbered(rows, "edge")
+
+    return alter(tables, "edges", change)
+
+
+def swap_links(tables):
+    def change(rows):
+        level = next(s for s in {r["slab"] for r in rows} if sum(r["slab"] == s for r in rows) > 1)
+        one, two = [r for r in rows if r["slab"] == level][:2]
+        one["target"], two["target"] = two["target"], one["target"]
+        if one["target"] == two["target"]:
+            one["source"], two["source"] = two["source"], one["source"] + 1
+
+    return alter(tables, "edges", change)
+
+
+def swap_pieces(tables):
+    def change(rows):
+        one, two = [r for r in rows if r["kind"] == "cylinder" and r["slab"] == 5][:2]
+        one["above"], two["above"] = two["above"], one["above"]
+
+    return alter(tables, "pieces", change)
+
+
+def flip_hole(tables):
+    """A hole turned into an outer contour with a region of its own, consistently in two tables."""
+    hole = next(r for r in tables["contours"].to_pylist() if r["inner"])
+
+    def change(rows):
+        rows[hole["contour"]]["inner"] = False
+
+    return alter(tables, "contours", change)
+
+
+def give_hole_away(tables):
+    """A hole handed to another region of its level, holes of nodes counted anew."""
+    rows = tables["contours"].to_pylist()
+    hole = next(r for r in rows if r["inner"])
+    other = next(r["region"] for r in rows if r["level"] == hole["level"] and r["region"] != hole["region"])
+    tables = alter(tables, "contours", lambda rows: rows[hole["contour"]].update(region=other))
+
+    def recount(rows):
+        rows[hole["region"]]["n_holes"] -= 1
+        rows[other]["n_holes"] += 1
+
+    return alter(tables, "nodes", recount)
+
+
+def shift_level(tables):
+    """A level moved between the same vertices, its contours and nodes with it."""
+    by = 1e-4
+    tables = alter(tables, "levels", lambda rows: rows[4].update(height=rows[4]["height"] + by))
+    for name in ("contours", "nodes"):
+        tables = alter(tables, name, lambda rows: [r.update(height=r["height"] + by) for r in rows if r["level"] == 4])
+    return tables
+
+
+def move_handle(tables):
+    """A handle moved to a neighbouring vertex, all its columns consistent."""
+    vertex = tables["handles"].to_pylist()[3]["vertex"]
+    other = tables["vertices"].to_pylist()[vertex + 1]
+
+    def change(rows):
+        rows[3].update(vertex=vertex + 1, **other)
+
+    return alter(tables, "handles", change)
+
+
+def move_node(tables):
+    """A node moved out of its region within the plane of its level."""
+
+    def change(rows):
+        rows[7]["x"] += 50 * 0.97
+        rows[7]["z"] -= 50 * 0.1
+
+    return alter(tables, "nodes", change)
+
+
+def add_arc(tables):
+    def change(rows):
+        extra = dict(rows[-1])
+        rows.append(extra | {"arc": extra["arc"] + 1})
+
+    return alter(tables, "arcs", change)
+
+
+def merge_contours(tables):
+    """Two contours of one level both anchored on the first."""
+
+    def change(rows):
+        one, two = [r for r in rows if r["level"] == 5][:2]
+        two.update(lower_vertex=one["lower_vertex"], upper_vertex=one["upper_vertex"])
+
+    return alter(tables, "contours", change)
+
+
+def turn_surface(tables):
+    return alter(tables, "faces", lambda rows: [r.update(b=r["c"], c=r["b"]) for r in rows])
+
+
+def hide_genus(tables):
+    """A compound of genus 1 passed off as a cylinder, Euler characteristic and all."""
+
+    def change(rows):
+        row = next(r for r in rows if r["kind"] == "cylinder")
+        row.update(genus=1, euler_characteristic=row["euler_characteristic"] - 2, kind="compound")
+
+    return alter(tables, "pieces", change)
+
+
+@pytest.mark.parametrize(
+    "mutate",
+    [drop_edge, swap_links, swap_pieces, flip_hole, give_hole_away, shift_level, move_handle, move_node, add_arc,
+     merge_contours, turn_surface, hide_genus],
+)  # fmt: skip
+def test_consistent_lies_are_caught(mutate):
+    tables, tilt, graphs = results("mixture")
+    assert caught(mutate(tables), tilt, graphs)
+
+
+@pytest.mark.parametrize("name", GRAPHS)
+def test_every_change_of_a_graph_is_caught(name):
+    tables, tilt, graphs = results("mixture")
+
+    def check(change):
+        other = graphs[name].copy()
+        change(other)
+        assert caught(tables, tilt, graphs | {name: other}), change
+
+    edges = list(graphs[name].edges(keys=True, data=True))
+    a, b, key, data = edges[len(edges) // 2]
+    others = [n for n in graphs[name].nodes if n not in (a, b)]
+    check(lambda g: g.remove_edge(a, b, key))
+    check(lambda g: g.add_edge(a, b, key="extra", **data))
+    check(lambda g: g.remove_node(a))
+    check(lambda g: g.add_node("h9999", **g.nodes[a]))
+
+    def move_end(g):
+        g.remove_edge(a, b, key)
+        g.add_edge(a, others[-1], key=key, **data)
+
+    check(move_end)
+    if name != "augmented":
+        check(lambda g: (g.remove_edge(a, b, key), g.add_edge(a, b, key="renamed", **data)))
+    for attribute in data:
+        if attribute != "id":
+            check(lambda g, at=attribute: g.edges[a, b, key].update({at: another(data[at], pa.field("", pa.string()))}))
+    for attribute, value in graphs[name].nodes[a].items():
+        check(
+            lambda g, at=attribute, v=value: g.nodes[a].update(
+                {at: another(v, pa.field("", pa.string())) if v != "" else "o->"}
+            )
+        )
+
+
+@pytest.mark.parametrize("key", ["direction", "rotation", "angle", "margin", "morse", "critical"])
+def test_every_figure_of_the_tilt_is_caught(key):
+    tables, tilt, graphs = results("mixture")
+    value = tilt[key]
+    if key == "direction":
+        value = [value[0], value[1], -value[2]]
+    elif key == "rotation":
+        value = (np.array(value)[[1, 0, 2]]).tolist()
+    elif key == "critical":
+        value = value | {"saddles": value["saddles"] + 1}
+    else:
+        value = {"proven": "by_sos", "by_sos": "proven"}[value] if key == "morse" else value + 1e-3
+    assert caught(tables, tilt | {key: value}, graphs)
+    assert caught(tables, {k: v for k, v in tilt.items() if k != key}, graphs)
+
+
+@pytest.mark.parametrize("name", TABLES)
+def test_malformed_tables_fail_a_check_and_raise_nothing(name):
+    tables, tilt, graphs = results("flat")
+    assert caught(tables | {name: tables[name].slice(0, 0)}, tilt, graphs)
+    assert caught(tables | {name: tables[name].drop_columns(tables[name].column_names[:1])}, tilt, graphs)
+    assert caught({n: t for n, t in tables.items() if n != name}, tilt, graphs)
+
+
+def test_a_missing_graph_or_a_simple_one_fails_a_check():
+    tables, tilt, graphs = results("flat")
+    assert caught(tables, tilt, {n: g for n, g in graphs.items() if n != "solid"})
+    assert caught(tables, tilt, graphs | {"surface": nx.Graph(graphs["surface"])})
+
+
+def test_links_of_a_heuristic_are_not_certified():
+    tables, tilt, graphs = results("mixture")
+    assert caught(alter(tables, "edges", lambda rows: [r.update(method="similarity") for r in rows]), tilt, graphs)
+
+
+def test_a_gap_between_levels_is_caught():
+    found = certify(*results("mixture"), feature_size=0.2, distance=1e-3)
+    assert failures(found) == ["largest_gap_between_levels"]

@@ -1,0 +1,50 @@
+"""Hold the finished model against theory and against its own mesh: `certificate.json`.
+
+Everything is read back from the files, graphs included, so that what is
+certified is what users get.
+"""
+
+from pathlib import Path
+
+import networkx as nx
+import numpy as np
+
+from batches import run_batch
+from reebslice.certificates import certify
+from reebslice.schemas import SCHEMAS
+from storage import read_json, read_table, write_json
+
+OUTPUTS = ("certificate.json",)
+
+
+def main(source, target, options):
+    """Certify the model in folder `source`; write the certificate to folder `target`."""
+    source = Path(source)
+    tables = {name: read_table(source / f"{name}.parquet", name) for name in SCHEMAS}
+    tilt = read_json(source / "tilt.json")
+    graphs = {
+        name: nx.read_graphml(source / f"{name}.graphml", force_multigraph=True)
+        for name in ("solid", "surface", "augmented")
+    }
+    size, distance = mesh_lengths(tables["vertices"], tilt, options)
+    write_json(Path(target) / "certificate.json", certify(tables, tilt, graphs, size, distance))
+
+
+def mesh_lengths(vertices, tilt, options):
+    """Feature size and distance between levels of a model, in mesh units.
+
+    Of `feature_size` and `distance` either may be null: the distance is half
+    the feature size. Relative ones are parts of the height range.
+    """
+    distance, size = options.get("distance"), options.get("feature_size")
+    distance = size / 2 if distance is None else distance
+    size = 2 * distance if size is None else size
+    scale = 1.0
+    if options.get("units", "relative") == "relative":
+        points = np.stack([vertices[axis].to_numpy() for axis in "xyz"], axis=1)
+        scale = float(np.ptp(points @ np.asarray(tilt["direction"], float)))
+    return size * scale, distance * scale
+
+
+if "snakemake" in globals():
+    run_batch(snakemake, main, OUTPUTS)  # noqa: F821

@@ -1,0 +1,107 @@
+"""Checks of form: tables as declared, ids and references that name rows, words that are known.
+
+Each takes the case (what is known of the model so far) and a ledger to enter
+its findings in; what it recomputes it leaves in the case for later checks.
+"""
+
+from types import SimpleNamespace
+
+import networkx as nx
+import numpy as np
+import pyarrow as pa
+
+from .schemas import EVENTS, OPERATIONS, PIECE_KINDS, SCHEMAS, check_table
+
+TABLES = tuple(SCHEMAS)
+KEYS = {name: name[:-1] for name in ("shells", "levels", "contours", "pieces", "handles", "nodes", "edges")}
+# (table, column, the table that its numbers are rows of)
+REFERENCES = (
+    ("faces", "a", "vertices"), ("faces", "b", "vertices"), ("faces", "c", "vertices"), ("faces", "shell", "shells"),
+    ("shells", "body", "shells"), ("shells", "parent", "shells"),
+    ("contours", "level", "levels"), ("contours", "shell", "shells"), ("contours", "parent", "contours"),
+    ("contours", "region", "nodes"), ("contours", "lower_vertex", "vertices"), ("contours", "upper_vertex", "vertices"),
+    ("pieces", "shell", "shells"), ("pieces", "below", "contours"), ("pieces", "above", "contours"),
+    ("pieces", "critical", "vertices"), ("pieces", "block", "pieces"),
+    ("handles", "piece", "pieces"), ("handles", "block", "pieces"), ("handles", "vertex", "vertices"),
+    ("handles", "contours_below", "contours"), ("handles", "contours_above", "contours"),
+    ("handles", "regions_below", "nodes"), ("handles", "regions_above", "nodes"),
+    ("nodes", "level", "levels"), ("nodes", "region", "nodes"),
+    ("edges", "source", "nodes"), ("edges", "target", "nodes"), ("edges", "handle", "handles"),
+)  # fmt: skip
+WORDS = (
+    ("levels", "why", ("uniform", "refined")), ("pieces", "kind", PIECE_KINDS), ("handles", "side", ("A", "B")),
+    ("handles", "operation", OPERATIONS), ("handles", "change", (None, *EVENTS)), ("handles", "index", (0, 1, 2)),
+    ("edges", "operation", ("continuation", *OPERATIONS)), ("edges", "method", ("exact", "similarity", "proximity")),
+    ("arcs", "graph", ("solid", "surface")),
+)  # fmt: skip
+
+
+def check_form(case, ledger):
+    """Tables as declared, ids that count their rows, references to rows that exist."""
+    faults = [fault for name in TABLES for fault in _schema_fault(name, case.tables.get(name))]
+    if faults:
+        ledger.enter("tables_in_form", len(faults), 0, says=faults[0])
+        return
+    case.columns = SimpleNamespace(**{name: _columns(case.tables[name]) for name in TABLES})
+    size = {name: case.tables[name].num_rows for name in TABLES}
+    for name, key in KEYS.items():
+        if not np.array_equal(getattr(case.columns, name)[key], np.arange(size[name])):
+            faults.append(f"Column {key} of table {name} does not count its rows from 0.")
+    for name, column, target in REFERENCES:
+        values = _flat(getattr(case.columns, name)[column])
+        if len(values) and not (0 <= values.min() and values.max() < size[target]):
+            faults.append(f"Column {column} of table {name} names a row that table {target} does not have.")
+    for name, column, words in WORDS:
+        odd = set(getattr(case.columns, name)[column]) - set(words)
+        if odd:
+            faults.append(f"Column {column} of table {name} holds {sorted(map(str, odd))[0]!r}, which is no such word.")
+    for name in TABLES:
+        for column, values in getattr(case.columns, name).items():
+            if isinstance(values, np.ndarray) and values.dtype.kind == "f" and not np.isfinite(values).all():
+                faults.append(f"Column {column} of table {name} holds a number that is not finite.")
+    faults += [f"Table {name} is empty." for name in ("faces", "levels", "pieces") if not size[name]]
+    faults += _document_faults(case.tilt, case.graphs)
+    ledger.enter("tables_in_form", len(faults), 0, says=faults[0] if faults else "")
+
+
+def _schema_fault(name, table):
+    if not isinstance(table, pa.Table):
+        return [f"Table {name} is missing."]
+    try:
+        check_table(name, table)
+    except ValueError as fault:
+        return [str(fault).splitlines()[0]]
+    return []
+
+
+def _document_faults(tilt, graphs):
+    shapes = {"rotation": (3, 3), "direction": (3,)}
+    for name, shape in shapes.items():
+        try:
+            values = np.asarray(tilt[name], float)
+        except (KeyError, TypeError, ValueError):
+            return [f"tilt.json has no {name} of numbers."]
+        if values.shape != shape or not np.isfinite(values).all():
+            return [f"The {name} in tilt.json has shape {values.shape}, not {shape}, or is not finite."]
+    return [
+        f"The graph {name} is missing or no undirected multigraph."
+        for name in ("solid", "surface", "augmented")
+        if not isinstance(graphs.get(name), nx.MultiGraph) or graphs[name].is_directed()
+    ]
+
+
+def _columns(table):
+    """Columns as arrays; those with lists or nulls as Python lists."""
+    out = {}
+    for field in table.schema:
+        listed = pa.types.is_list(field.type) or field.nullable
+        column = table[field.name]
+        out[field.name] = column.to_pylist() if listed else column.to_numpy(zero_copy_only=False)
+    return out
+
+
+def _flat(values):
+    if isinstance(values, np.ndarray):
+        return values
+    flat = [v for value in values if value is not None for v in (value if isinstance(value, list) else [value])]
+    return np.array(flat, np.int64)

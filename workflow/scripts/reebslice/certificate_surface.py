@@ -1,0 +1,151 @@
+"""Checks of the ground that all else stands on: the mesh, its shells, the tilt.
+
+Each takes the case (what is known of the model so far) and a ledger to enter
+its findings in; what it recomputes it leaves in the case for later checks.
+"""
+
+import numpy as np
+from scipy.sparse import coo_array
+from scipy.sparse.csgraph import connected_components
+
+from .recount import find_sides, rank_surface, rotate, sign_changes
+from .recount_shapes import count_enclosing
+
+
+def check_mesh(case, ledger):
+    """The surface is closed and oriented, and its shells are as the table says."""
+    t = case.columns
+    points = np.stack([t.vertices[axis] for axis in "xyz"], axis=1)
+    faces = np.stack([t.faces[corner] for corner in "abc"], axis=1).astype(np.int64)
+    case.rotation = np.asarray(case.tilt["rotation"], float)
+    case.tilted = rotate(points, case.rotation)
+    case.surface = rank_surface(case.tilted, faces, t.faces["shell"].astype(np.int64))
+    case.sides = find_sides(case.surface)
+    case.model, case.faces = points, faces
+    ledger.enter("surface_is_closed_and_oriented", case.sides is not None, True)
+    if case.sides is None:
+        return
+    # offsets and areas of this size are lost in the rounding of coordinates
+    case.reach = float(np.abs(case.tilted).max())
+    case.noise = 64 * np.finfo(float).eps * case.reach
+    _check_links(case, ledger)
+    _check_shells(case, ledger)
+
+
+def _check_links(case, ledger):
+    """Every vertex has one link cycle: corners around it are joined across mesh edges."""
+    faces, n = case.faces, len(case.model)
+    tails, heads = faces.ravel(), np.roll(faces, -1, axis=1).ravel()
+    order = np.argsort(np.minimum(tails, heads) * n + np.maximum(tails, heads), kind="stable").reshape(-1, 2)
+    # half-edge h starts at corner h; its twin starts at the other end
+    after = np.arange(len(tails)).reshape(-1, 3)
+    after = np.roll(after, -1, axis=1).ravel()
+    one = np.concatenate([order[:, 0], after[order[:, 0]]])
+    two = np.concatenate([after[order[:, 1]], order[:, 1]])
+    links = coo_array((np.ones(len(one), np.int8), (one, two)), shape=(len(tails),) * 2)
+    ledger.enter("vertices_with_one_link", int(connected_components(links, directed=False)[0]), n)
+
+
+def _check_shells(case, ledger):
+    t, faces, n = case.columns, case.faces, len(case.model)
+    count = len(t.shells["shell"])
+    ends = faces[:, [0, 1, 2]].ravel(), faces[:, [1, 2, 0]].ravel()
+    links = coo_array((np.ones(len(ends[0]), np.int8), ends), shape=(n, n))
+    n_parts, part = connected_components(links, directed=False)
+    shell = t.faces["shell"]
+    same = len(np.unique(part[faces[:, 0]] * count + shell)) == n_parts == len(np.unique(shell)) == count
+    ledger.enter("shells_are_components", same, True)
+    case.n_shells = count
+    case.shell_of_vertex = np.zeros(n, np.int64)
+    case.shell_of_vertex[faces] = shell[:, None]
+    n_vertices = np.bincount(case.shell_of_vertex, minlength=count)
+    n_faces = np.bincount(shell, minlength=count)
+    euler = n_vertices - n_faces // 2  # 3 F = 2 E
+    case.shell_euler, case.shell_genus = euler, (2 - euler) // 2
+    columns = (
+        ("n_vertices", n_vertices),
+        ("n_faces", n_faces),
+        ("euler_characteristic", euler),
+        ("genus", case.shell_genus),
+    )
+    for name, values in columns:
+        ledger.rows(f"shells.{name}", t.shells[name] == values, f"{name} counted on the mesh")
+    _check_shell_measures(case, ledger, shell, count)
+    case.euler, case.genus = int(euler.sum()), int(case.shell_genus.sum())
+    case.voids = int(case.void.sum())
+    case.b0 = count - case.voids
+    case.betti = [case.b0, case.genus, case.voids]
+
+
+def _check_shell_measures(case, ledger, shell, count):
+    """Areas, volumes, voids and bodies of the shells."""
+    t = case.columns
+    corners = case.model[case.faces]
+    middle = np.stack([np.bincount(shell, corners[:, 0, k], count) for k in range(3)], axis=1)
+    middle /= np.bincount(shell, minlength=count)[:, None]
+    a, b, c = (corners[:, k] - middle[shell] for k in range(3))
+    normal = np.cross(b - a, c - a)
+    areas = np.bincount(shell, np.linalg.norm(normal, axis=1) / 2, count)
+    volumes = np.bincount(shell, np.einsum("ij,ij->i", a, normal) / 6, count)
+    case.area, case.volume = float(areas.sum()), float(volumes.sum())
+    extent = float(np.linalg.norm(np.ptp(case.model, axis=0)))
+    case.area_noise = 1e-11 * case.area
+    case.volume_noise = 1e-11 * case.area * extent + case.noise * case.area
+    ledger.rows("shells.area", np.abs(t.shells["area"] - areas) <= case.area_noise, "area summed over the faces")
+    ledger.rows("shells.volume", np.abs(t.shells["volume"] - volumes) <= case.volume_noise, "volume by divergence")
+    sure = np.abs(volumes) > case.volume_noise
+    case.void = np.asarray(t.shells["void"], bool)
+    ledger.rows("shells.void", ~sure | (case.void == (volumes < 0)), "a void is a shell of negative volume")
+    body = case.body = t.shells["body"].astype(np.int64)
+    holds = (body == np.arange(count)) | case.void
+    for void in np.flatnonzero(case.void).tolist():
+        holds[void] = not case.void[body[void]] and body[void] == _smallest_around(case, void, np.abs(volumes))
+    ledger.rows("shells.body", holds, "a body is a shell of positive volume; a void has the smallest one around it")
+
+
+def _smallest_around(case, void, size):
+    """The smallest shell of positive volume around a void, or -1."""
+    others = np.flatnonzero(~case.void & (size >= size[void]))
+    crossings = count_enclosing(case.model, case.faces, case.columns.faces["shell"], void, others.tolist())
+    around = [other for other in others.tolist() if crossings[other] % 2]
+    return min(around, key=lambda other: size[other], default=-1)
+
+
+def check_tilt(case, ledger):
+    """Direction and rotation are what they say, and the height is as Morse as claimed."""
+    rotation, direction = case.rotation, np.asarray(case.tilt["direction"], float)
+    ledger.close("tilt.direction_is_unit", np.linalg.norm(direction), 1.0, 1e-12)
+    ledger.enter("tilt.rotation_ends_in_direction", rotation[2].tolist(), direction.tolist())
+    ledger.close("tilt.rotation_is_orthonormal", np.abs(rotation @ rotation.T - np.eye(3)).max(), 0.0, 1e-12)
+    ledger.close("tilt.rotation_is_proper", np.linalg.det(rotation), 1.0, 1e-12)
+    angle = np.degrees(np.arctan2(np.hypot(*direction[:2]), direction[2]))
+    ledger.close("tilt.angle", float(case.tilt.get("angle", np.nan)), angle, 1e-6)
+    z = case.surface.points[:, 2]
+    case.least_rise = float((z[case.sides.upper] - z[case.sides.lower]).min())
+    _check_morse(case, ledger, direction)
+
+
+def _check_morse(case, ledger, direction):
+    """Morse beyond rounding only if no mesh edge is horizontal to within rounding."""
+    unit = np.finfo(float).eps / 2
+    # each height is three products and two sums; along an axis nothing rounds
+    exact = np.count_nonzero(direction) == 1
+    rounding = 0.0 if exact else 6 * unit * float((np.abs(case.model) @ np.abs(direction)).max())
+    word = "proven" if case.least_rise > rounding else "by_sos"
+    ledger.enter("tilt.morse", case.tilt.get("morse"), word)
+    margin = case.tilt.get("margin")
+    holds = isinstance(margin, (int, float)) and abs(margin - case.least_rise) <= rounding
+    ledger.enter(
+        "tilt.margin", margin, case.least_rise, holds, "" if holds else "It is not the smallest rise over a mesh edge."
+    )
+    changes, top = sign_changes(case.surface), np.zeros(len(case.model), bool)
+    top[case.surface.corners[:, 2]] = True
+    counts = {
+        "minima": int(((changes == 0) & ~top).sum()),
+        "saddles": int(np.maximum(changes // 2 - 1, 0).sum()),
+        "maxima": int(((changes == 0) & top).sum()),
+    }
+    ledger.enter("tilt.critical", case.tilt.get("critical"), counts)
+    ledger.enter(
+        "critical points on the mesh: #0 - #1 + #2", counts["minima"] - counts["saddles"] + counts["maxima"], case.euler
+    )

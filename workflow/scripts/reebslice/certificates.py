@@ -1,0 +1,198 @@
+"""The proof per model: every invariant, recomputed and held against the tables.
+
+A check compares what the tables say (`found`) with what follows from the
+mesh, the levels and the theory (`expected`). The certificate lists them all;
+one that fails makes the model uncertified. Nothing here or in the recount_*
+modules uses the code that made the tables.
+"""
+
+from types import SimpleNamespace
+
+import numpy as np
+import shapely
+
+from . import certificate_events as events
+from . import certificate_form as form
+from . import certificate_graphs as graph_checks
+from . import certificate_links as links
+from . import certificate_slices as slices
+from . import certificate_surface as surface
+
+# What a table that contradicts itself can make numpy, shapely or a lookup say.
+CONTRADICTIONS = (ValueError, KeyError, IndexError, TypeError, shapely.errors.ShapelyError)
+
+# In this order, because each step builds on those before it.
+STEPS = (
+    form.check_form,
+    surface.check_mesh,
+    surface.check_tilt,
+    slices.check_levels,
+    slices.check_contours,
+    slices.check_curves,
+    slices.check_pieces,
+    events.check_holes,
+    events.check_blocks,
+    events.check_handles,
+    events.check_sides,
+    links.check_nodes,
+    links.check_edges,
+    links.check_arcs,
+    graph_checks.check_graphs,
+    graph_checks.check_identities,
+)
+# Without these there is nothing that the later steps could be about.
+FOUNDATIONS = (form.check_form, surface.check_mesh, slices.check_levels, slices.check_contours)
+
+APART = (
+    "Bodies lie inside or across one another. Each body is taken as a solid of its own and the solid as their "
+    "disjoint union: volumes add up, and material that two bodies share counts twice."
+)
+CROSSING = (
+    "The surface crosses itself. The solid is taken sheet by sheet as the surface bounds it: a contour is outer or a "
+    "hole by the sign of its whole area, and material where sheets overlap counts as often as they do."
+)
+
+
+class Ledger:
+    """The checks made so far: {name: {found, expected, holds, says}}."""
+
+    def __init__(self):
+        self.checks = {}
+
+    def enter(self, name, found, expected, holds=None, says=""):
+        """Enter a check; it holds if the two sides are equal, unless `holds` tells."""
+        holds = found == expected if holds is None else holds
+        self.checks[name] = {"found": _plain(found), "expected": _plain(expected), "holds": bool(holds), "says": says}
+
+    def rows(self, name, agree, what):
+        """Enter a check of rows: (n,) bool, all of which must agree."""
+        agree = np.asarray(agree, bool)
+        wrong = np.flatnonzero(~agree)
+        says = f"{len(wrong)} of {len(agree)} rows differ: {what}; the first is row {wrong[0]}." if len(wrong) else ""
+        self.enter(name, int(agree.sum()), len(agree), says=says)
+
+    def close(self, name, found, expected, tolerance):
+        """Enter a check of two numbers that may differ by `tolerance`."""
+        holds = bool(abs(found - expected) <= tolerance)
+        self.enter(
+            name, float(found), float(expected), holds, "" if holds else f"They differ by more than {tolerance:.3g}."
+        )
+
+    def holds(self):
+        return bool(self.checks) and all(check["holds"] for check in self.checks.values())
+
+
+def certify(tables, tilt, graphs, feature_size, distance=None):
+    """The certificate of one model, a dict that JSON can hold.
+
+    Parameters
+    ----------
+    tables : dict of pyarrow tables vertices, faces, shells, levels, contours,
+        pieces, handles, nodes, edges, arcs, as `schemas` declares them
+    tilt : dict, the content of tilt.json
+    graphs : dict of networkx MultiGraphs solid, surface, augmented
+    feature_size : float, mesh units; what is smaller may stay unresolved in a
+        model that is `exact_at_feature_size`
+    distance : float or None, mesh units; the largest spacing of uniform levels
+
+    Never raises on account of the tables: what contradicts itself so badly
+    that a step cannot be made is a check that fails, and the steps that build
+    on it are entered as not made.
+    """
+    case = SimpleNamespace(tables=tables, tilt=tilt, graphs=graphs, size=feature_size, distance=distance, open={})
+    ledger = Ledger()
+    stopped = ""
+    for step in STEPS:
+        name = step.__name__.removeprefix("check_")
+        if stopped:
+            ledger.enter(f"{name}: made", False, True, says=f"Not examined, because of {stopped}.")
+            continue
+        try:
+            before = len(ledger.checks)
+            step(case, ledger)
+            failed = [n for n in list(ledger.checks)[before:] if not ledger.checks[n]["holds"]]
+            stopped = f"the check {failed[0]!r}" if failed and step in FOUNDATIONS else ""
+        except CONTRADICTIONS as fault:
+            says = (
+                f"The tables contradict each other so that this could not be examined: {type(fault).__name__}: {fault}"
+            )
+            ledger.enter(f"{name}: made", False, True, says=says)
+            stopped = f"the step {name!r}"
+    return {"verdict": _verdict(case, ledger)} | _figures(case) | {"checks": ledger.checks}
+
+
+def _verdict(case, ledger):
+    if not ledger.holds():
+        return "uncertified"
+    groups = unresolved_groups(case)
+    if not groups:
+        return "exact"
+    return "exact_at_feature_size" if all(_small(case, group) for group in groups) else "uncertified"
+
+
+def unresolved_groups(case):
+    """Handles (lists) of each piece that is not elementary and of each block whose order is open."""
+    t = case.columns
+    groups = []
+    for piece in np.flatnonzero(~case.elementary).tolist():
+        groups.append(np.flatnonzero(t.handles["piece"] == piece).tolist())
+    for block in np.flatnonzero(~case.block_resolved).tolist():
+        groups.append(np.flatnonzero(t.handles["block"] == block).tolist())
+    return groups
+
+
+def _small(case, group):
+    """Whether at most one of the handles has at least the feature size."""
+    persistence = case.columns.handles["persistence"]
+    return sum(persistence[h] is None or persistence[h] >= case.size for h in group) < 2
+
+
+def _figures(case):
+    """Everything in the certificate besides verdict and checks; None where unknown."""
+    get = lambda name, default=None: getattr(case, name, default)  # noqa: E731
+    kinds, handles = get("kinds"), getattr(get("columns"), "handles", None)
+    similarity = None
+    if get("similarity") is not None and len(case.similarity):
+        values = case.similarity
+        similarity = {
+            "min": float(values.min()),
+            "median": float(np.median(values)),
+            "max": float(values.max()),
+            "share_below_half": float((values < 0.5).mean()),
+        }
+    index = None if handles is None else np.asarray(handles["index"])
+    margin = case.tilt.get("margin") if isinstance(case.tilt, dict) else None
+    return {
+        "euler_characteristic": get("euler"),
+        "genus": get("genus"),
+        "voids": get("voids"),
+        "betti_solid": get("betti"),
+        "shells": get("n_shells"),
+        "handles": None if index is None else {str(i): int((index == i).sum()) for i in range(3)},
+        "loops_surface": get("loops_surface"),
+        "loops_solid": get("loops_solid"),
+        "hidden_genus": get("hidden"),
+        "suppressed_loops": get("suppressed"),
+        "compound": None if kinds is None else int((kinds == "compound").sum()),
+        "unseen": None if kinds is None else int((kinds == "unseen").sum()),
+        "unresolved_blocks": None if get("block_resolved") is None else int((~case.block_resolved).sum()),
+        "margin": margin,
+        "feature_size": float(case.size),
+        "similarity": similarity,
+        "open_questions": {name: int(value) for name, value in case.open.items()},
+        "solid_interpretation": " ".join(
+            text for text, holds in ((APART, get("entangled")), (CROSSING, get("crossing"))) if holds
+        ),
+        "volume": get("volume"),
+        "area": get("area"),
+    }
+
+
+def _plain(value):
+    if isinstance(value, np.generic):
+        value = value.item()
+    if isinstance(value, float) and not np.isfinite(value):
+        return str(value)
+    if isinstance(value, dict):
+        return {str(name): _plain(entry) for name, entry in value.items()}
+    return [_plain(entry) for entry in value] if isinstance(value, (list, tuple, np.ndarray)) else value
