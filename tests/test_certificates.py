@@ -11,7 +11,7 @@ import shapely
 
 from certify import mesh_lengths
 from pipeline import TABLES, run_stages
-from reebslice.certificates import certify
+from reebslice.certification.certificates import certify
 from reebslice.schemas import EVENTS, PIECE_KINDS, SCHEMAS
 from solids import (
     bowl_shape, cube, cup, hollow_ball, icosphere, linked_rings, monkey_saddle, move, nested_shells, overhang, plate,

@@ -10,7 +10,7 @@ import networkx as nx
 import numpy as np
 
 from batches import run_batch
-from reebslice.certificates import certify
+from reebslice.certification.certificates import certify
 from reebslice.schemas import SCHEMAS
 from storage import read_json, read_table, write_json
 

@@ -13,7 +13,7 @@ from .recount import cross
 from .recount_elders import persistences
 from .recount_graphs import find_blocks
 from .recount_shapes import find_hosts, find_parents, first_face_along_x, local_sides
-from .schemas import EVENTS
+from ..schemas import EVENTS
 
 INDEX_OF_KIND = {"birth": 0, "death": 2, "join": 1, "split": 1}
 

@@ -11,12 +11,8 @@ from types import SimpleNamespace
 import numpy as np
 import shapely
 
-from . import certificate_events as events
-from . import certificate_form as form
-from . import certificate_graphs as graph_checks
-from . import certificate_links as links
-from . import certificate_slices as slices
-from . import certificate_surface as surface
+from . import events, form, links, slices, surface
+from . import graphs as graph_checks
 
 # What a table that contradicts itself can make numpy, shapely or a lookup say.
 CONTRADICTIONS = (ValueError, KeyError, IndexError, TypeError, shapely.errors.ShapelyError)

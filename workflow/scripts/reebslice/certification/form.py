@@ -10,7 +10,7 @@ import networkx as nx
 import numpy as np
 import pyarrow as pa
 
-from .schemas import EVENTS, OPERATIONS, PIECE_KINDS, SCHEMAS, check_table
+from ..schemas import EVENTS, OPERATIONS, PIECE_KINDS, SCHEMAS, check_table
 
 TABLES = tuple(SCHEMAS)
 KEYS = {name: name[:-1] for name in ("shells", "levels", "contours", "pieces", "handles", "nodes", "edges")}

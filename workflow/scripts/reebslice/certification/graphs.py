@@ -7,7 +7,7 @@ its findings in; what it recomputes it leaves in the case for later checks.
 import numpy as np
 
 from .recount_graphs import count_loops, find_augmented_edges
-from .schemas import EVENTS
+from ..schemas import EVENTS
 
 SOLID_COLUMNS = ("arc", "lower", "upper", "length", "volume", "similarity_min")
 SURFACE_COLUMNS = ("arc", "lower", "upper", "length", "area")

@@ -1,0 +1,304 @@
+"""Discovery, batches, digests of code, and a batch of models that go well and badly."""
+
+import os
+from pathlib import Path
+
+import pytest
+
+import batches
+import corpus
+from batches import MODELS_FOLDER, STAGES, Rejected, make_key, receipt_name, run_models
+from corpus import CorpusError, MeshFile, find_broken_promises, find_models, form_batches
+from sources import digest_code, find_sources, read_outputs
+from storage import read_json, write_json, write_parquet
+
+SCRIPTS = Path(__file__).parent.parent / "workflow" / "scripts"
+
+
+@pytest.fixture(autouse=True)
+def in_empty_folder(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+
+
+def put(*paths):
+    for path in map(Path, paths):
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_text("mesh")
+
+
+# Discovery
+
+
+def test_every_mesh_is_a_model_named_by_its_path():
+    put("m/b c.stl", "m/a/deep/x.y.OBJ", "m/ünï.ply", "m/.hidden.stl", "m/.git/z.off", "m/a/x.mtl", "m/strange.vtk")
+    models, others = find_models("m")
+    assert list(models) == ["a__deep__x.y", "b c", "ünï"]
+    assert models["a__deep__x.y"].path == "m/a/deep/x.y.OBJ"
+    assert others == ["m/strange.vtk"]
+
+
+def test_absolute_folder_gives_absolute_paths(tmp_path):
+    put("m/a.stl")
+    assert find_models(str(tmp_path / "m"))[0]["a"].path == str(tmp_path / "m" / "a.stl")
+
+
+def test_results_inside_the_mesh_folder_are_no_meshes():
+    put("a.stl", "results/models/a/page.glb")
+    assert list(find_models(".")[0]) == ["a"]
+
+
+def test_links_are_followed_and_loops_left():
+    put("m/a.stl", "elsewhere/b.stl")
+    os.symlink("../elsewhere", "m/link")
+    os.symlink("..", "elsewhere/up")
+    assert set(find_models("m")[0]) >= {"a", "link__b"}
+
+
+@pytest.mark.parametrize(
+    "paths, message",
+    [
+        ([], "there is no folder 'm'.*--config meshes=FOLDER"),
+        (["m/readme.txt"], "holds no mesh; put files there that end in .stl"),
+        (["m/a.stl", "m/a.obj"], "'m/a.obj' and 'm/a.stl' would both be the model 'a'; rename"),
+        (["m/a__b.stl", "m/a/b.stl"], "would both be the model 'a__b'"),
+        (["m/line\nbreak.stl"], "unprintable characters; rename"),
+        (["m/{a}.stl"], "holds a brace; rename"),
+        (["m/" + "x" * 190 + ".stl"], "an id of 190 bytes, more than 180; shorten"),
+    ],
+)
+def test_unusable_folders_and_names_are_refused_with_the_cure(paths, message):
+    put(*paths)
+    with pytest.raises(CorpusError, match=message):
+        find_models("m")
+
+
+# Batches
+
+
+def some_models(count, size=100):
+    return {f"model{i:05d}": MeshFile(f"m/model{i:05d}.stl", size, 0) for i in range(count)}
+
+
+@pytest.mark.parametrize("count, size, batches", [(1, 8, 1), (2, 8, 2), (20, 8, 8), (100, 8, 16), (100, 1, 128)])
+def test_number_of_batches_is_a_power_of_two_of_the_wanted_mean(count, size, batches):
+    names = form_batches(some_models(count), size)
+    assert {name.split("of")[1] for name in names} == {str(batches)}
+
+
+def test_a_large_corpus_makes_larger_batches():
+    names = form_batches(some_models(10_000), 8)
+    assert len(names) == 256
+    assert max(map(len, names.values())) < 80
+
+
+def test_batches_deal_out_every_model_once():
+    models = some_models(500)
+    assert sorted(model for members in form_batches(models, 8).values() for model in members) == list(models)
+
+
+def test_one_mesh_more_or_less_leaves_the_other_batches():
+    before = form_batches(some_models(100), 8)
+    after = form_batches(some_models(101), 8)
+    assert sum(before.get(name) != members for name, members in after.items()) == 1
+
+
+def test_a_large_mesh_is_alone():
+    models = some_models(10) | {"huge": MeshFile("m/huge.stl", corpus.LARGE_MESH + 1, 0)}
+    alone = [members for name, members in form_batches(models, 8).items() if name.startswith("alone-")]
+    assert alone == [["huge"]]
+
+
+def test_a_mesh_replaced_by_an_older_file_is_noticed():
+    old, new = {"a": MeshFile("a.stl", 10, 5)}, {"a": MeshFile("a.stl", 10, 4)}
+    assert corpus.describe_meshes(old, ["a"]) != corpus.describe_meshes(new, ["a"])
+
+
+# Code
+
+
+def test_sources_are_followed_through_every_form_of_import():
+    put("s/pack/__init__.py", "s/pack/f.py", "s/pack/unused.py", "s/other.py")
+    Path("s/stage.py").write_text("import numpy\nfrom pack import a\nimport pack.b as c\n")
+    Path("s/pack/a.py").write_text("from . import d\n")
+    Path("s/pack/b.py").write_text("def late():\n    from .sub.e import x\n")
+    Path("s/pack/d.py").write_text("import pack.a\n")
+    put("s/pack/sub/__init__.py")
+    Path("s/pack/sub/e.py").write_text("from ..f import x\n")
+    for name in ("pack/__init__.py", "pack/f.py", "pack/sub/__init__.py"):
+        Path("s", name).write_text("")
+    names = [path.relative_to("s").as_posix() for path in find_sources("s/stage.py")]
+    assert names == sorted(
+        ["pack/__init__.py", "pack/a.py", "pack/b.py", "pack/d.py", "pack/f.py"]
+        + ["pack/sub/__init__.py", "pack/sub/e.py", "stage.py"]
+    )
+    before = digest_code("s/stage.py")
+    Path("s/pack/unused.py").write_text("1")
+    assert digest_code("s/stage.py") == before
+    Path("s/pack/f.py").write_text("1")
+    assert digest_code("s/stage.py") != before
+
+
+@pytest.mark.parametrize("stage", [stage for stage in STAGES if (SCRIPTS / f"{stage}.py").exists()])
+def test_every_stage_declares_outputs_and_depends_on_what_runs_it(stage):
+    assert read_outputs(SCRIPTS / f"{stage}.py")
+    names = {path.name for path in find_sources(SCRIPTS / f"{stage}.py")}
+    assert {"batches.py", "storage.py", "schemas.py"} <= names
+    assert not {"corpus.py", "sources.py"} & names
+
+
+# One stage over a batch
+
+
+class Stage:
+    """A stage whose models do what their mesh file says, and which counts its calls."""
+
+    outputs = ("note.json", "text.txt")
+
+    def __init__(self, prefix=""):
+        self.ran = []
+        self.prefix = prefix
+        self.outputs = tuple(prefix + name for name in Stage.outputs)
+
+    def __call__(self, source, target, options):
+        self.ran.append(source.stem)
+        word = Path("m", f"{source.stem}.stl").read_text()
+        write_json(target / self.outputs[0], {"word": word})
+        if word == "reject":
+            raise Rejected("It is open.\nClose it.")
+        if word == "fail":
+            raise ZeroDivisionError("a bug\nin two lines")
+        if word != "forget":
+            (target / self.outputs[1]).write_text(word)
+
+
+def first_rows(**words):
+    """Rows for the first stage, of meshes that say these words."""
+    for model, word in words.items():
+        put(f"m/{model}.stl")
+        Path(f"m/{model}.stl").write_text(word)
+    return batches._first_rows(list(words), [f"m/{model}.stl" for model in words])
+
+
+def run(stage, rows, name="inspect_mesh", options=None, code="c"):
+    return {row["model"]: row for row in run_models(name, rows, stage, stage.outputs, options or {}, code)}
+
+
+def files(model):
+    return {path.name for path in (MODELS_FOLDER / model).iterdir()}
+
+
+def test_models_end_each_for_itself(capfd):
+    rows = run(Stage(), first_rows(good="x", bad="reject", ugly="fail", lost="forget"))
+    assert {model: row["status"] for model, row in rows.items()} == {
+        "good": "ok",
+        "bad": "rejected",
+        "ugly": "failed",
+        "lost": "failed",
+    }
+    assert rows["bad"]["reason"] == "It is open. Close it."
+    assert rows["ugly"]["reason"] == "inspect_mesh: ZeroDivisionError: a bug in two lines"
+    assert "did not write text.txt" in rows["lost"]["reason"]
+    receipt = receipt_name("inspect_mesh")
+    assert files("good") == {receipt, "note.json", "text.txt"}
+    assert files("bad") == {receipt, "note.json"}
+    assert files("ugly") == files("lost") == {receipt}
+    assert read_json(MODELS_FOLDER / "good" / receipt)["key"] == rows["good"]["key"]
+    assert rows["good"]["seconds"] >= 0 and rows["good"]["peak_memory_mb"] > 1
+    assert "Traceback" in capfd.readouterr().err
+
+
+def test_only_what_changed_is_computed_again():
+    rows = first_rows(a="x", b="y", c="reject", d="fail")
+    before = run(Stage(), rows)
+    again = Stage()
+    after = run(again, first_rows(a="x", b="z", c="reject", d="fail"))
+    assert again.ran == ["b", "d"]  # a failure is tried again
+    assert after["a"] == before["a"] and after["c"] == before["c"]
+    for changed in ({"options": {"size": 2}}, {"code": "other"}):
+        again = Stage()
+        run(again, first_rows(a="x"), **changed)
+        assert again.ran == ["a"]
+
+
+def test_a_missing_output_is_restored_and_the_later_ones_stay():
+    inspect, tilt = Stage(), Stage("tilt_")
+    rows = run(inspect, first_rows(a="x"))
+    run(tilt, rows.values(), "select_tilt")
+    (MODELS_FOLDER / "a" / "text.txt").unlink()
+    restored = run(inspect, first_rows(a="x"))
+    assert inspect.ran == ["a", "a"]
+    assert restored["a"]["key"] == rows["a"]["key"]
+    assert "text.txt" in files("a")
+    run(tilt, rows.values(), "select_tilt")
+    assert tilt.ran == ["a"]
+
+
+@pytest.mark.parametrize("word", ["reject", "fail", "other"])
+def test_what_later_stages_made_of_the_old_content_goes(word):
+    rows = run(Stage(), first_rows(a="x"))
+    run(Stage("tilt_"), rows.values(), "select_tilt")
+    assert "tilt_text.txt" in files("a")
+    rows = run(Stage(), first_rows(a=word))
+    assert not any("tilt" in name for name in files("a"))
+    after = run(Stage("tilt_"), rows.values(), "select_tilt")["a"]
+    if word == "other":
+        assert after["status"] == "ok"
+    else:
+        assert after["status"] == "skipped" and after["key"] == "" and after["seconds"] is None
+        assert run(Stage(), [after], "slice_mesh")["a"]["reason"] == after["reason"]
+
+
+def test_key_depends_on_all_of_its_parts_and_not_on_the_order_of_options():
+    key = make_key("before", {"a": 1, "b": 2}, "code")
+    assert key == make_key("before", {"b": 2, "a": 1}, "code")
+    assert len({key, make_key("x", {"a": 1, "b": 2}, "code"), make_key("before", {"a": 1}, "code")}) == 3
+
+
+# Promises
+
+
+def promised(rows, stage):
+    """The status table of one batch, as Snakemake would track it."""
+    path = corpus.STATUS_FOLDER / stage / "0of1.parquet"
+    write_parquet(path, batches.pa.Table.from_pylist(list(rows), schema=batches.STATUS_SCHEMA))
+    return str(path)
+
+
+@pytest.fixture
+def corpus_of_two_stages(monkeypatch):
+    """One good and one rejected model, computed by two stages; with their outputs."""
+    monkeypatch.setattr(corpus, "STAGES", STAGES[:2])
+    inspect, tilt = Stage(), Stage("tilt_")
+    rows = run(inspect, first_rows(a="x", b="reject"))
+    first = promised(rows.values(), STAGES[0])
+    second = promised(run(tilt, rows.values(), "select_tilt").values(), STAGES[1])
+    return first, second, {STAGES[0]: inspect.outputs, STAGES[1]: tilt.outputs}
+
+
+def test_kept_promises_are_left_alone(corpus_of_two_stages):
+    *_, outputs = corpus_of_two_stages
+    assert find_broken_promises({"0of1": ["a", "b"]}, outputs) == []
+
+
+@pytest.mark.parametrize(
+    "lost, number",
+    [("a/text.txt", 0), ("a/.inspect_mesh.json", 0), ("a/tilt_note.json", 1), ("b/note.json", 0)],
+)
+def test_a_table_that_promises_a_file_that_is_gone_is_found(corpus_of_two_stages, lost, number):
+    *tables, outputs = corpus_of_two_stages
+    (MODELS_FOLDER / lost).unlink()
+    assert find_broken_promises({"0of1": ["a", "b"]}, outputs) == [tables[number]]
+
+
+def test_a_table_that_is_missing_before_others_is_found(corpus_of_two_stages):
+    first, second, outputs = corpus_of_two_stages
+    Path(first).unlink()
+    assert find_broken_promises({"0of1": ["a", "b"]}, outputs) == [first]
+    Path(second).unlink()
+    assert find_broken_promises({"0of1": ["a", "b"]}, outputs) == []  # never ran: nothing is promised
+
+
+def test_a_failure_is_tried_again(corpus_of_two_stages):
+    first, _, outputs = corpus_of_two_stages
+    run(Stage(), first_rows(a="fail", b="reject"))
+    assert find_broken_promises({"0of1": ["a", "b"]}, outputs) == [first]

@@ -1,0 +1,216 @@
+"""The workflow as users run it: what runs again after which change, and what it says.
+
+One corpus of tiny meshes is run once; every test works on a copy of it.
+"""
+
+import os
+import re
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import pyarrow.parquet as pq
+import pytest
+
+from batches import STAGES, receipt_name
+from sources import find_sources, read_outputs
+from storage import read_json, read_key
+
+ROOT = Path(__file__).parent.parent
+SCRIPTS = ROOT / "workflow" / "scripts"
+MISSING = [stage for stage in STAGES if not (SCRIPTS / f"{stage}.py").exists()]
+pytestmark = pytest.mark.skipif(bool(MISSING), reason=f"stages that are not written yet: {MISSING}")
+
+OPTIONS = ("levels={distance: 0.2}", "tilt={mode: none}", "nodes={sampler: representative}", "draw={width: 300}")
+BOX = [(x, y, z) for x in (0, 2) for y in (0, 3) for z in (0, 5)]
+QUADS = [(0, 1, 3, 2), (4, 6, 7, 5), (0, 4, 5, 1), (2, 3, 7, 6), (0, 2, 6, 4), (1, 5, 7, 3)]
+BOX_FACES = [corners for a, b, c, d in QUADS for corners in ((a, b, c), (a, c, d))]
+
+
+def write_box(path, height=1.0, faces=BOX_FACES):
+    """A box as OFF file, slightly sheared so that no two vertices are at one height."""
+    points = [(x, y, (z + 0.1 * x + 0.03 * y) * height) for x, y, z in BOX]
+    lines = ["OFF", f"{len(points)} {len(faces)} 0"]
+    lines += [" ".join(map(str, point)) for point in points] + [f"3 {a} {b} {c}" for a, b, c in faces]
+    path.parent.mkdir(parents=True, exist_ok=True)
+    path.write_text("\n".join(lines) + "\n")
+
+
+def run(folder, *arguments, options=OPTIONS, checkout=ROOT, meshes="meshes"):
+    """Run Snakemake in `folder` with the Snakefile of `checkout`; return (exit code, what it said)."""
+    command = [sys.executable, "-m", "snakemake", "--snakefile", str(checkout / "Snakefile"), "--cores", "2"]
+    command += ["--directory", str(folder), *arguments, "--config", f"meshes={meshes}", *options]
+    done = subprocess.run(command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, cwd=folder)
+    return done.returncode, done.stdout
+
+
+def planned(folder, **keywords):
+    """The jobs that Snakemake would run, as {rule: count}; nothing to do is {}."""
+    code, said = run(folder, "-n", **keywords)
+    assert code == 0, said
+    if "Nothing to be done" in said:
+        return {}
+    counts = dict(re.findall(r"^(\w+) +(\d+)$", said.split("Job stats:")[1].split("\n\n")[0], flags=re.MULTILINE))
+    return {rule: int(count) for rule, count in counts.items() if rule not in ("all", "total", "collect_models")}
+
+
+def models_table(folder):
+    rows = pq.read_table(folder / "results/corpus/models.parquet").to_pylist()
+    return {row["model"]: row for row in rows}
+
+
+def stamps(folder, model):
+    """When each file of a model was written."""
+    return {path.name: path.stat().st_mtime_ns for path in (folder / "results/models" / model).iterdir()}
+
+
+def stages_from(stage):
+    return set(STAGES[STAGES.index(stage) :])
+
+
+@pytest.fixture(scope="module")
+def finished(tmp_path_factory):
+    """A corpus of two good meshes and an open one, run to its end; and what the run said.
+
+    Their names fall into one batch, to keep the run short.
+    """
+    folder = tmp_path_factory.mktemp("finished")
+    write_box(folder / "meshes/tall.off", 2.0)
+    write_box(folder / "meshes/sub/wide box.off")
+    write_box(folder / "meshes/torn.off", faces=BOX_FACES[1:])
+    code, said = run(folder)
+    assert code == 0, said
+    return folder, said
+
+
+@pytest.fixture
+def folder(finished, tmp_path):
+    """A copy of the finished corpus, with its times."""
+    return shutil.copytree(finished[0], tmp_path / "corpus")
+
+
+@pytest.fixture
+def checkout(tmp_path):
+    """A copy of the project, to be edited."""
+    target = tmp_path / "checkout"
+    for name in ("workflow", "config"):
+        shutil.copytree(ROOT / name, target / name, ignore=shutil.ignore_patterns("__pycache__"))
+    shutil.copy2(ROOT / "Snakefile", target)
+    return target
+
+
+def test_a_run_leaves_every_file_and_says_how_it_went(finished):
+    folder, said = finished
+    rows = models_table(folder)
+    assert {model: row["status"] for model, row in rows.items()} == {
+        "sub__wide box": "ok",
+        "tall": "ok",
+        "torn": "rejected",
+    }
+    assert rows["tall"]["path"] == "meshes/tall.off"
+    assert rows["tall"]["verdict"] == "exact" and rows["torn"]["verdict"] == "rejected"
+    assert rows["tall"]["genus"] == 0 and "open" in rows["torn"]["reason"].lower()
+    for stage in STAGES:
+        assert rows["tall"][f"seconds_{stage}"] >= 0 and rows["tall"][f"peak_memory_mb_{stage}"] > 1
+    for model in ("tall", "sub__wide box"):
+        expected = {name for stage in STAGES for name in (*read_outputs(SCRIPTS / f"{stage}.py"), receipt_name(stage))}
+        assert set(stamps(folder, model)) == expected
+        receipt = read_json(folder / "results/models" / model / receipt_name("slice_mesh"))
+        assert read_key(folder / "results/models" / model / "levels.parquet") == receipt["key"]
+    assert set(stamps(folder, "torn")) == {"inspection.json", receipt_name("inspect_mesh")}
+    assert "2 of 3 models done" in said
+    assert "1 rejected: the reasons are in results/corpus/models.parquet" in said
+    assert said.index("1 rejected") > said.index("100%")
+
+
+def test_a_second_run_does_nothing(folder):
+    code, said = run(folder)
+    assert code == 0 and "Nothing to be done" in said
+
+
+@pytest.mark.parametrize(
+    "option, first",
+    [
+        ("inspect={merge_tolerance: 1e-7}", "inspect_mesh"),
+        ("tilt={mode: none, seed: 1}", "select_tilt"),
+        ("levels={distance: 0.25}", "slice_mesh"),
+        ("nodes={sampler: centroid}", "sample_nodes"),
+        ("edges={method: proximity}", "synthesize_edges"),
+        ("draw={width: 400}", "draw"),
+    ],
+)
+def test_a_changed_key_runs_its_stages_and_those_behind(folder, option, first):
+    section = option.split("=")[0]
+    others = tuple(given for given in OPTIONS if not given.startswith(f"{section}="))
+    assert set(planned(folder, options=(*others, option))) == stages_from(first)
+
+
+def test_an_edited_module_runs_the_stages_that_use_it_and_those_behind(folder, checkout):
+    assert planned(folder, checkout=checkout) == {}
+    module = checkout / "workflow/scripts/reebslice/similarity.py"
+    users = [stage for stage in STAGES if module in find_sources(checkout / f"workflow/scripts/{stage}.py")]
+    assert users and users[0] != STAGES[0]
+    module.write_text(module.read_text() + "\n# edited\n")
+    assert set(planned(folder, checkout=checkout)) == stages_from(users[0])
+
+
+def test_changed_added_and_removed_meshes_cost_themselves_alone(folder):
+    before = stamps(folder, "sub__wide box")
+    write_box(folder / "meshes/tall.off", 3.0)
+    os.utime(folder / "meshes/tall.off", (1e9, 1e9))  # older than the file that it replaces
+    write_box(folder / "meshes/new.off", 0.5)
+    (folder / "meshes/torn.off").unlink()
+    old = stamps(folder, "tall")
+    code, said = run(folder)
+    assert code == 0, said
+    assert set(models_table(folder)) == {"new", "sub__wide box", "tall"}
+    assert stamps(folder, "sub__wide box") == before
+    assert all(stamps(folder, "tall")[name] > old[name] for name in old)
+    assert "3 of 3 models done" in said and "rejected" not in said
+    assert planned(folder) == {}
+
+
+def test_a_deleted_result_is_restored_and_nothing_else_computed(folder):
+    before = stamps(folder, "tall")
+    lost = folder / "results/models/tall/nodes.parquet"
+    content = lost.read_bytes()
+    lost.unlink()
+    assert set(planned(folder)) == stages_from("sample_nodes")
+    assert run(folder)[0] == 0
+    assert lost.read_bytes() == content
+    changed = {name for name, time in stamps(folder, "tall").items() if time != before[name]}
+    assert changed == {"nodes.parquet", receipt_name("sample_nodes")}
+    assert planned(folder) == {}
+
+
+def test_a_fault_of_the_program_stops_one_model_is_told_and_tried_again(folder, checkout):
+    script = checkout / "workflow/scripts/draw.py"
+    fault = '    if "tall" in str(source):\n        raise RuntimeError("no paper")\n'
+    whole = script.read_text()
+    script.write_text(re.sub(r"^def main\(.*\):\n", lambda head: head[0] + fault, whole, flags=re.MULTILINE))
+    code, said = run(folder, checkout=checkout)
+    assert code == 1
+    assert "1 of 3 models FAILED" in said and "1 rejected" in said
+    rows = models_table(folder)
+    assert rows["tall"]["status"] == "failed" and rows["tall"]["reason"] == "draw: RuntimeError: no paper"
+    assert rows["sub__wide box"]["status"] == "ok"
+    assert not set(read_outputs(SCRIPTS / "draw.py")) & set(stamps(folder, "tall"))
+    assert "Traceback" in "".join(path.read_text() for path in (folder / "results/logs/draw").iterdir())
+    assert set(planned(folder, checkout=checkout)) == {"draw"}  # tried again
+    script.write_text(whole)
+    assert run(folder, checkout=checkout)[0] == 0
+    assert models_table(folder)["tall"]["status"] == "ok"
+
+
+@pytest.mark.parametrize(
+    "meshes, options, sentence",
+    [
+        ("nowhere", (), "there is no folder 'nowhere'"),
+        ("meshes", ("levels={distanse: 0.1}",), "levels.distanse is not a key; did you mean levels.distance?"),
+    ],
+)
+def test_what_cannot_run_stops_at_once_with_a_sentence(folder, meshes, options, sentence):
+    code, said = run(folder, meshes=meshes, options=options)
+    assert code == 1 and sentence in said
+    assert "Traceback" not in said

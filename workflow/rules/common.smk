@@ -1,0 +1,126 @@
+# What the rules stand on: the checked configuration, the models, their batches
+# and the digests of the code. The logic is in corpus.py, sources.py and
+# configuration.py of workflow/scripts; here it meets Snakemake.
+
+import os
+import sys
+from pathlib import Path
+
+import yaml
+from snakemake.exceptions import WorkflowError
+from snakemake.logging import logger
+
+WORKFLOW = Path(workflow.basedir) / "workflow"
+SCRIPTS = WORKFLOW / "scripts"
+sys.path.insert(0, str(SCRIPTS))
+
+import corpus
+from batches import STAGES
+from collect_models import count_models
+from configuration import ConfigError, check_config
+from sources import compiled_code_folder, digest_code, read_outputs
+
+os.environ.setdefault("NUMBA_CACHE_DIR", str(compiled_code_folder(SCRIPTS / "reebslice")))
+
+# Configuration ---------------------------------------------------------------
+
+try:
+    config = check_config(
+        config, yaml.safe_load((WORKFLOW / "schemas" / "config.schema.yaml").read_text())
+    )
+except ConfigError as error:
+    raise WorkflowError(str(error)) from None
+
+# Models and batches ----------------------------------------------------------
+
+try:
+    MODELS, OTHER_FILES = corpus.find_models(config["meshes"])
+except corpus.CorpusError as error:
+    raise WorkflowError(str(error)) from None
+
+BATCHES = corpus.form_batches(MODELS, config["batches"]["size"])
+CODE = {
+    stage: digest_code(SCRIPTS / f"{stage}.py")
+    for stage in (*STAGES, "collect_models")
+}
+
+
+wildcard_constraints:
+    batch=r"\d+of\d+|alone-[0-9a-f]+",
+
+
+# A status table stands for the files of its models, which Snakemake does not
+# track. One that promises more than there is, is withdrawn and asked for
+# again by rule all: its batch runs, restores what is missing and passes over
+# the rest.
+WITHDRAWN = []
+if workflow.is_main_process:
+    OUTPUTS = {stage: read_outputs(SCRIPTS / f"{stage}.py") for stage in STAGES}
+    WITHDRAWN = corpus.find_broken_promises(BATCHES, OUTPUTS)
+    for table in WITHDRAWN:
+        Path(table).unlink(missing_ok=True)
+    if OTHER_FILES:
+        logger.warning(
+            f"{len(OTHER_FILES)} files in {config['meshes']} are no meshes that can be read "
+            f"and are left out, such as {OTHER_FILES[0]}"
+        )
+
+# Functions for the rules -----------------------------------------------------
+
+
+def meshes_of(wildcards):
+    """Mesh files of a batch."""
+    return [MODELS[model].path for model in BATCHES[wildcards.batch]]
+
+
+def models_of(wildcards):
+    """Ids of a batch's models, in the order of meshes_of."""
+    return BATCHES[wildcards.batch]
+
+
+def stamp_of(wildcards):
+    """What changes when one of the batch's mesh files is another."""
+    return corpus.describe_meshes(MODELS, BATCHES[wildcards.batch])
+
+
+def memory_of(wildcards, attempt):
+    """Memory for a batch, in MB: what the libraries take, and a share by its largest mesh."""
+    largest = max(MODELS[model].size for model in BATCHES[wildcards.batch])
+    return int((600 + 60 * largest / 2**20) * attempt)
+
+
+def last_status_tables():
+    """Status tables of the last stage; those of the stages before stand behind them."""
+    return [f"results/status/{STAGES[-1]}/{batch}.parquet" for batch in BATCHES]
+
+
+# The last lines of a run -----------------------------------------------------
+
+
+def close_run():
+    """Say what came out; end with an error when the program, not a mesh, is at fault."""
+    table = corpus.MODELS_TABLE
+    if not table.exists():
+        return
+    counts = count_models(table)
+    total = sum(counts.values())
+    logger.info(f"{counts['ok']} of {total} models done: results/models/, {table}")
+    if counts["rejected"]:
+        logger.warning(
+            f"{counts['rejected']} rejected: the reasons are in {table} (column reason) "
+            "and in results/models/*/inspection.json"
+        )
+    if counts["failed"]:
+        raise WorkflowError(
+            f"{counts['failed']} of {total} models FAILED, which is a fault of the program, not of "
+            f"the meshes. The others are complete. The reasons are in {table} (column reason), the "
+            "tracebacks in results/logs/. The next run tries the failed ones again."
+        )
+
+
+def explain_error(log):
+    """Say what an interrupted run leaves behind."""
+    logger.error(
+        "The run did not finish. Models that were completed are kept; start it again to go on "
+        f"(with --rerun-incomplete if a job was killed). The log is {log}"
+    )

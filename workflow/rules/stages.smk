@@ -1,0 +1,167 @@
+# The method, stage by stage. A job runs one stage over one batch of models: it
+# reads and writes the files in results/models/{model}/ and leaves the status
+# table of the batch, which says of each model: ok, rejected, failed or skipped.
+# A model whose inputs, options and code are those of last time is passed over.
+# Options go to the stages that use them, so a changed key reaches those and the
+# ones behind, and no other.
+
+
+# Reads the mesh, makes it a closed oriented surface or rejects it with a reason.
+# Writes inspection.json and the surface: vertices, faces, shells.
+rule inspect_mesh:
+    input:
+        meshes=meshes_of,
+    output:
+        status="results/status/inspect_mesh/{batch}.parquet",
+    params:
+        models=models_of,
+        stamp=stamp_of,
+        options=config["inspect"],
+        code=CODE["inspect_mesh"],
+    log:
+        "results/logs/inspect_mesh/{batch}.log",
+    benchmark:
+        "results/benchmarks/inspect_mesh/{batch}.tsv"
+    resources:
+        mem_mb=memory_of,
+    script:
+        "../scripts/inspect_mesh.py"
+
+
+# Chooses the direction of height, so that the height is a Morse function.
+# Writes tilt.json.
+rule select_tilt:
+    input:
+        status="results/status/inspect_mesh/{batch}.parquet",
+    output:
+        status="results/status/select_tilt/{batch}.parquet",
+    params:
+        options=config["tilt"],
+        code=CODE["select_tilt"],
+    log:
+        "results/logs/select_tilt/{batch}.log",
+    benchmark:
+        "results/benchmarks/select_tilt/{batch}.tsv"
+    resources:
+        mem_mb=memory_of,
+    script:
+        "../scripts/select_tilt.py"
+
+
+# Cuts the surface at levels; finds contours, and the pieces between levels.
+# Writes levels, contours, pieces.
+rule slice_mesh:
+    input:
+        status="results/status/select_tilt/{batch}.parquet",
+    output:
+        status="results/status/slice_mesh/{batch}.parquet",
+    params:
+        options=config["levels"],
+        code=CODE["slice_mesh"],
+    log:
+        "results/logs/slice_mesh/{batch}.log",
+    benchmark:
+        "results/benchmarks/slice_mesh/{batch}.tsv"
+    resources:
+        mem_mb=memory_of,
+    script:
+        "../scripts/slice_mesh.py"
+
+
+# Finds the Morse event in every piece that has one, and its handle operation.
+# Writes handles.
+rule classify_handles:
+    input:
+        status="results/status/slice_mesh/{batch}.parquet",
+    output:
+        status="results/status/classify_handles/{batch}.parquet",
+    params:
+        options={},
+        code=CODE["classify_handles"],
+    log:
+        "results/logs/classify_handles/{batch}.log",
+    benchmark:
+        "results/benchmarks/classify_handles/{batch}.tsv"
+    resources:
+        mem_mb=memory_of,
+    script:
+        "../scripts/classify_handles.py"
+
+
+# Puts one material point into every region of every level.
+# Writes nodes.
+rule sample_nodes:
+    input:
+        status="results/status/classify_handles/{batch}.parquet",
+    output:
+        status="results/status/sample_nodes/{batch}.parquet",
+    params:
+        options=config["nodes"],
+        code=CODE["sample_nodes"],
+    log:
+        "results/logs/sample_nodes/{batch}.log",
+    benchmark:
+        "results/benchmarks/sample_nodes/{batch}.tsv"
+    resources:
+        mem_mb=memory_of,
+    script:
+        "../scripts/sample_nodes.py"
+
+
+# Links the material points of consecutive levels into both Reeb graphs.
+# Writes edges, arcs, and the graphs solid, surface and augmented.
+rule synthesize_edges:
+    input:
+        status="results/status/sample_nodes/{batch}.parquet",
+    output:
+        status="results/status/synthesize_edges/{batch}.parquet",
+    params:
+        options=config["edges"],
+        code=CODE["synthesize_edges"],
+    log:
+        "results/logs/synthesize_edges/{batch}.log",
+    benchmark:
+        "results/benchmarks/synthesize_edges/{batch}.tsv"
+    resources:
+        mem_mb=memory_of,
+    script:
+        "../scripts/synthesize_edges.py"
+
+
+# Recomputes every invariant from the files and the mesh, and gives the verdict.
+# Writes certificate.json.
+rule certify:
+    input:
+        status="results/status/synthesize_edges/{batch}.parquet",
+    output:
+        status="results/status/certify/{batch}.parquet",
+    params:
+        options=config["levels"],
+        code=CODE["certify"],
+    log:
+        "results/logs/certify/{batch}.log",
+    benchmark:
+        "results/benchmarks/certify/{batch}.tsv"
+    resources:
+        mem_mb=memory_of,
+    script:
+        "../scripts/certify.py"
+
+
+# Draws the mesh with its graph inside, beside the graph by height.
+rule draw:
+    input:
+        status="results/status/certify/{batch}.parquet",
+    output:
+        status="results/status/draw/{batch}.parquet",
+    params:
+        options=config["draw"],
+        code=CODE["draw"],
+    log:
+        "results/logs/draw/{batch}.log",
+    benchmark:
+        "results/benchmarks/draw/{batch}.tsv"
+    resources:
+        mem_mb=memory_of,
+    script:
+        "../scripts/draw.py"

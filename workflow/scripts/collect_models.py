@@ -1,0 +1,107 @@
+"""Gather what is known of every model into one table.
+
+One row per mesh of the corpus, accepted or not: how it ended and why, the
+figures of its certificate and of its inspection, the seconds and the memory
+of every stage.
+"""
+
+import re
+from collections import Counter
+from pathlib import Path
+
+import pyarrow as pa
+import pyarrow.compute as pc
+import pyarrow.parquet as pq
+
+from batches import MODELS_FOLDER, STAGES, print_into, read_status
+from storage import read_json, write_parquet
+
+FIGURES = ("inspection.json", "certificate.json")  # of one name, the later file's figure counts
+FIRST = ("model", "path", "status", "reason", "verdict")
+LONGEST = 8  # entries of a group or list that is spread over columns
+
+
+def main(tables):
+    """Return the table of models.
+
+    Parameters
+    ----------
+    tables : list of str
+        Paths of the last stage's status tables, one per batch. Those of the
+        other stages have the same name in folders beside.
+    """
+    rows = []
+    for table in map(Path, tables):
+        rows += _join_stages([table.parent.parent / stage / table.name for stage in STAGES])
+    return _make_table(sorted(rows, key=lambda row: row["model"]))
+
+
+def count_models(path):
+    """Return how many models of the table at `path` ended as ok, rejected and failed."""
+    column = pq.ParquetFile(path).read(columns=["status"])["status"]
+    counts = Counter({entry["values"]: entry["counts"] for entry in pc.value_counts(column).to_pylist()})
+    return {status: counts[status] for status in ("ok", "rejected", "failed")}
+
+
+def _join_stages(paths):
+    """Return the rows of one batch, from its status tables in the order of stages."""
+    rows = {}
+    for stage, path in zip(STAGES, paths, strict=True):
+        for entry in read_status(path):
+            row = rows.setdefault(entry["model"], {"model": entry["model"], "path": entry["path"], "status": "ok"})
+            if row["status"] == "ok":  # the first stage that is not tells why
+                row |= {"status": entry["status"], "reason": entry["reason"]}
+            row[f"seconds_{stage}"] = entry["seconds"]
+            row[f"peak_memory_mb_{stage}"] = entry["peak_memory_mb"]
+    for row in rows.values():
+        row |= {name: figure for name, figure in _figures(row["model"]).items() if name not in row}
+        if row["status"] != "ok":
+            row["verdict"] = "rejected" if row["status"] == "rejected" else None
+    return list(rows.values())
+
+
+def _figures(model):
+    """Return the scalar figures in the model's JSON files."""
+    figures = {}
+    for name in FIGURES:
+        try:
+            facts = read_json(MODELS_FOLDER / model / name)
+        except FileNotFoundError:
+            continue
+        figures |= _scalars(facts)
+    return figures
+
+
+def _scalars(facts):
+    """Spread facts over columns: scalars as they are, short groups and lists of scalars one level deep."""
+    figures = {}
+    for name, value in facts.items():
+        if isinstance(value, (dict, list)):
+            entries = dict(value if isinstance(value, dict) else enumerate(value))
+            if len(entries) <= LONGEST and not any(isinstance(entry, (dict, list)) for entry in entries.values()):
+                figures |= {f"{name}_{key}": entry for key, entry in entries.items()}
+        else:
+            figures[name] = value
+    return {re.sub(r"\W+", "_", name): value for name, value in figures.items()}
+
+
+def _make_table(rows):
+    """Return the rows as a table: first who and how, then the figures, then seconds and memory."""
+    last = [f"{figure}_{stage}" for figure in ("seconds", "peak_memory_mb") for stage in STAGES]
+    figures = sorted({name for row in rows for name in row}.difference(FIRST, last))
+    return pa.table({name: _column([row.get(name) for row in rows], name in last) for name in (*FIRST, *figures, *last)})
+
+
+def _column(values, real=False):
+    """Return the values as an array of the narrowest type that holds all of them."""
+    kinds = {type(value) for value in values if value is not None}
+    if real or (kinds <= {int, float} and float in kinds):
+        return pa.array([None if value is None else float(value) for value in values], pa.float64())
+    if kinds in ({int}, {bool}):
+        return pa.array(values, pa.int64() if kinds == {int} else pa.bool_())
+    return pa.array([None if value is None else str(value) for value in values], pa.string())
+
+
+if "snakemake" in globals():
+    print_into(snakemake.log[0])
+    write_parquet(snakemake.output.table, main(snakemake.input))

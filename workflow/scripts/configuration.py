@@ -1,0 +1,186 @@
+"""Checking the configuration, and saying in a sentence what is wrong with it."""
+
+import difflib
+import math
+
+import jsonschema
+
+# What JSON schema calls a type, said to a person.
+TYPES = {
+    "object": "a group of keys",
+    "array": "a list",
+    "string": "a text",
+    "number": "a number",
+    "integer": "a whole number",
+    "boolean": "true or false",
+    "null": "null",
+}
+
+
+class ConfigError(ValueError):
+    """The configuration cannot be used; one line per fault, naming key, value and what is allowed."""
+
+
+def check_config(config, schema):
+    """Return the configuration, complete and in the schema's order.
+
+    Keys left out take the schema's default. Of `levels`, distance and
+    feature size follow from each other where one is null.
+
+    Raises ConfigError, which lists every fault.
+    """
+    config = _read_texts(config, schema)
+    validator = jsonschema.Draft202012Validator(schema)
+    errors = sorted(validator.iter_errors(config), key=lambda error: str(error.path))
+    faults = [_say(error) for error in errors] + list(_nonfinite(config))
+    if not faults:
+        config = _complete(config, schema)
+        faults = _contradictions(config)
+    if faults:
+        raise ConfigError("\n".join(["the configuration cannot be used:", *(f"  {fault}" for fault in faults)]))
+    config["levels"] = _resolve_levels(config["levels"])
+    return config
+
+
+def _read_texts(value, schema):
+    """Read values as what the schema asks for where that is plain: '0.02', 15 and '1e-6' as numbers.
+
+    On the command line, `--config levels='{distance: 0.02}'` hands over the
+    text '0.02' and `--config meshes=2024` a number; in a file, YAML takes
+    1e-6, without a point, for a text. That 15 and 15.0 are one value keeps
+    results that were made with the other.
+    """
+    if isinstance(value, dict):
+        parts = schema.get("properties", {})
+        return {key: _read_texts(entry, parts.get(key, {})) for key, entry in value.items()}
+    if isinstance(value, list):
+        return [_read_texts(entry, schema.get("items", {})) for entry in value]
+    kinds = schema.get("type", ())
+    kinds = (kinds,) if isinstance(kinds, str) else tuple(kinds)
+    if isinstance(value, str) and "null" in kinds and value in ("null", "~", ""):
+        return None
+    if kinds == ("string",) and type(value) in (int, float):
+        return str(value)
+    if (isinstance(value, str) and {"integer", "number"} & set(kinds)) or (type(value) is int and "number" in kinds):
+        try:
+            return float(value) if "number" in kinds else int(value)
+        except ValueError:
+            pass
+    return value
+
+
+def _complete(value, schema):
+    """Fill in defaults, group by group, in the schema's order of keys."""
+    if schema.get("type") != "object":
+        return value
+    return {
+        key: _complete(value.get(key, part.get("default", {})), part) for key, part in schema["properties"].items()
+    }
+
+
+def _resolve_levels(levels):
+    """Apply the sampling rule: the distance between levels is half the feature size."""
+    distance, size = levels["distance"], levels["feature_size"]
+    return levels | {
+        "distance": float(size / 2 if distance is None else distance),
+        "feature_size": float(2 * distance if size is None else size),
+    }
+
+
+def _nonfinite(value, place=""):
+    """Yield a fault for every number that is infinite or none, which a schema lets pass."""
+    if isinstance(value, float) and not math.isfinite(value):
+        yield f"{place} is {value!r}: must be a finite number"
+    entries = value.items() if isinstance(value, dict) else enumerate(value) if isinstance(value, list) else ()
+    for key, entry in entries:
+        yield from _nonfinite(entry, f"{place}[{key}]" if isinstance(value, list) else _join(place, key))
+
+
+def _contradictions(config):
+    """Return the faults that involve more than one key."""
+    tilt, levels = config["tilt"], config["levels"]
+    faults = []
+    if tilt["mode"] == "direction" and tilt["direction"] is None:
+        faults.append("tilt.direction is missing: tilt.mode is 'direction', which needs direction: [x, y, z]")
+    if tilt["mode"] != "direction" and tilt["direction"] is not None:
+        faults.append(
+            f"tilt.direction is given, but tilt.mode is {tilt['mode']!r}: write mode: direction, or remove the direction"
+        )
+    if tilt["direction"] is not None and not any(tilt["direction"]):
+        faults.append("tilt.direction is the zero vector: at least one of its three numbers must differ from 0")
+    if levels["distance"] is None and levels["feature_size"] is None:
+        faults.append("levels.distance and levels.feature_size are both null: give one of them")
+    for key in ("distance", "feature_size"):
+        if levels["units"] == "relative" and levels[key] is not None and levels[key] > 1:
+            faults.append(
+                f"levels.{key} is {levels[key]!r}: with units: relative it is a part of the model's height "
+                "range, at most 1; for mesh units write units: absolute"
+            )
+    return faults
+
+
+# --------------------------------------------------------------------------
+# Sentences
+
+
+def _say(error):
+    """Turn one violation of the schema into a sentence."""
+    place = ".".join(str(part) if isinstance(part, str) else f"[{part}]" for part in error.path).replace(".[", "[")
+    if error.validator == "additionalProperties":
+        return _say_unknown(place, error)
+    if error.validator == "required":
+        missing = next(key for key in error.validator_value if key not in error.instance)
+        return f"{_join(place, missing)} is missing"
+    found = f"{place or 'the configuration'} is {_show(error.instance)}"
+    return f"{found}: {_allowed(error)}"
+
+
+def _say_unknown(place, error):
+    known = list(error.schema["properties"])
+    sentences = []
+    for key in (str(key) for key in error.instance if key not in known):
+        near = difflib.get_close_matches(key, known, n=1, cutoff=0.5)
+        guess = f"did you mean {_join(place, near[0])}? " if near else ""
+        allowed = f"allowed {'in ' + place if place else 'at the top'}: {', '.join(known)}"
+        sentences.append(f"{_join(place, key)} is not a key; {guess}{allowed}")
+    return "\n  ".join(sentences)
+
+
+def _allowed(error):
+    """Say what the schema allows at the place of the violation."""
+    limit, rule = error.validator_value, error.validator
+    says = {
+        "type": lambda: f"must be {_types(limit)}",
+        "enum": lambda: f"must be {_alternatives(map(repr, limit))}{_nearest(error.instance, limit)}",
+        "minimum": lambda: f"must be at least {limit}",
+        "maximum": lambda: f"must be at most {limit}",
+        "exclusiveMinimum": lambda: f"must be more than {limit}",
+        "exclusiveMaximum": lambda: f"must be less than {limit}",
+        "minItems": lambda: f"must have at least {limit} entries",
+        "maxItems": lambda: f"must have at most {limit} entries",
+        "minLength": lambda: "must not be empty",
+        "uniqueItems": lambda: "must not name anything twice",
+    }
+    return says[rule]() if rule in says else error.message
+
+
+def _types(kinds):
+    return _alternatives(TYPES[kind] for kind in ([kinds] if isinstance(kinds, str) else kinds))
+
+
+def _alternatives(words):
+    *first, last = words
+    return f"{', '.join(first)} or {last}" if first else last
+
+
+def _nearest(value, allowed):
+    near = difflib.get_close_matches(str(value), [str(word) for word in allowed], n=1)
+    return f"; did you mean {near[0]!r}?" if near else ""
+
+
+def _show(value):
+    return "null" if value is None else str(value).lower() if isinstance(value, bool) else repr(value)
+
+
+def _join(place, key):
+    return f"{place}.{key}" if place else str(key)

@@ -1,0 +1,26 @@
+"""Cut the surface into level sets and slab pieces: `levels`, `contours`, `pieces`."""
+
+import numpy as np
+
+from batches import run_batch
+from reebslice.levels import feature_scale, slice_surface
+from reebslice.tables import contours_table, levels_table, pieces_table
+from storage import write_table
+from surfaces import read_height_mesh, vertex_bodies
+
+OUTPUTS = ("levels.parquet", "contours.parquet", "pieces.parquet")
+
+
+def main(source, target, options):
+    """Slice the model in folder `source`, write its tables to folder `target`."""
+    mesh = read_height_mesh(source)
+    shell, body = vertex_bodies(source, mesh)
+    distance, feature_size = feature_scale(np.ptp(mesh.points[:, 2]), **options)
+    slices, refined = slice_surface(mesh, body, distance, options["refine"], feature_size)
+    write_table(target / "levels.parquet", "levels", levels_table(slices, refined))
+    write_table(target / "contours.parquet", "contours", contours_table(mesh, slices, shell))
+    write_table(target / "pieces.parquet", "pieces", pieces_table(mesh, slices, shell))
+
+
+if "snakemake" in globals():
+    run_batch(snakemake, main, OUTPUTS)  # noqa: F821

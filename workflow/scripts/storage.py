@@ -1,0 +1,154 @@
+"""Reading and writing the files that the stages hand on.
+
+Parquet for tables, JSON for single facts. Every table is held against its
+declaration in :mod:`reebslice.schemas` on the way out and on the way in, and
+every file appears whole or not at all: it is written beside its place and
+renamed.
+"""
+
+import json
+import math
+import os
+from contextlib import contextmanager
+from contextvars import ContextVar
+from pathlib import Path
+
+import pyarrow.parquet as pq
+
+from reebslice.schemas import FORMAT_VERSION, SCHEMAS, check_table
+
+KEY = b"reebslice:content_key"
+TABLE = b"reebslice:table"
+VERSION = b"reebslice:format_version"
+
+# GeoParquet 1.1; the coordinates are those of the tilted frame, in the units
+# of the mesh, so there is no coordinate reference system to name.
+GEOPARQUET = {
+    "contours": {
+        "version": "1.1.0",
+        "primary_column": "geometry",
+        "columns": {
+            "geometry": {"encoding": "WKB", "geometry_types": ["LineString"], "crs": None, "edges": "planar"}
+        },
+    }
+}
+
+_content_key = ContextVar("content_key", default="")
+
+
+@contextmanager
+def content_key(key):
+    """Within this context every table written carries the content key `key`."""
+    token = _content_key.set(key)
+    try:
+        yield
+    finally:
+        _content_key.reset(token)
+
+
+def write_table(path, name, table, key=None):
+    """Write `table`, declared as `name`, to the Parquet file `path`.
+
+    The file's metadata tell the content key (`key`, or the one of the
+    surrounding :func:`content_key`), the table's name and the format's
+    version. Raises ValueError when the table does not match its declaration.
+    """
+    check_table(name, table)
+    table = table.cast(SCHEMAS[name])  # puts the declared units back on the columns
+    metadata = dict(SCHEMAS[name].metadata or {})
+    metadata |= {
+        KEY: (key if key is not None else _content_key.get()).encode(),
+        TABLE: name.encode(),
+        VERSION: FORMAT_VERSION.encode(),
+    }
+    if name in GEOPARQUET:
+        metadata[b"geo"] = json.dumps(GEOPARQUET[name]).encode()
+    write_parquet(path, table.replace_schema_metadata(metadata))
+
+
+def read_table(path, name):
+    """Return the table `name` from the Parquet file `path`.
+
+    Raises ValueError when the file holds another table, was written in
+    another format version or does not match the declaration.
+    """
+    table = pq.ParquetFile(path).read()
+    metadata = table.schema.metadata or {}
+    found = metadata.get(TABLE, b"").decode(), metadata.get(VERSION, b"").decode()
+    if found != (name, FORMAT_VERSION):
+        raise ValueError(
+            f"{path}: holds table {found[0]!r} in format {found[1]!r}, expected {name!r} in format "
+            f"{FORMAT_VERSION!r}; delete the file and run the workflow again"
+        )
+    try:
+        check_table(name, table)
+    except ValueError as error:
+        raise ValueError(f"{path}: {error}") from None
+    return table
+
+
+def read_key(path):
+    """Return the content key that the Parquet file `path` carries, or ''."""
+    return (pq.read_schema(path).metadata or {}).get(KEY, b"").decode()
+
+
+def write_parquet(path, table):
+    """Write any table to `path`, compressed with zstd, whole or not at all."""
+    with _placed(path) as scratch:
+        pq.write_table(table, scratch, compression="zstd")
+
+
+def write_json(path, facts):
+    """Write the mapping `facts` to `path`: sorted keys, numpy values allowed.
+
+    Raises ValueError, naming the place, on a number that is not finite: JSON
+    cannot say it, and an unknown figure is null.
+    """
+    place = _first_nonfinite(facts)
+    if place is not None:
+        raise ValueError(f"{path}: {place} is not a finite number; write None for an unknown figure")
+    text = json.dumps(facts, sort_keys=True, indent=1, allow_nan=False, default=_plain)
+    with _placed(path) as scratch:
+        scratch.write_text(text + "\n", encoding="utf-8")
+
+
+def read_json(path):
+    """Return what the JSON file `path` holds."""
+    return json.loads(Path(path).read_text(encoding="utf-8"))
+
+
+@contextmanager
+def _placed(path):
+    """Give a scratch path in the folder of `path`; rename it there on success."""
+    path = Path(path)
+    path.parent.mkdir(parents=True, exist_ok=True)
+    scratch = path.with_name(f".writing-{os.getpid()}-{path.name}"[:200])
+    try:
+        yield scratch
+        os.replace(scratch, path)
+    finally:
+        scratch.unlink(missing_ok=True)
+
+
+def _plain(value):
+    """Turn a numpy scalar or array, or a path, into what JSON knows."""
+    if hasattr(value, "tolist"):
+        return value.tolist()
+    if isinstance(value, os.PathLike):
+        return os.fspath(value)
+    raise TypeError(f"{type(value).__name__} {value!r} cannot be written as JSON")
+
+
+def _first_nonfinite(value, place=""):
+    """Return the place of the first NaN or infinity in nested facts, or None."""
+    if hasattr(value, "tolist"):
+        value = value.tolist()
+    if isinstance(value, float):
+        return None if math.isfinite(value) else place or "the value"
+    if isinstance(value, dict):
+        entries = [(f"{place}.{name}" if place else str(name), entry) for name, entry in value.items()]
+    elif isinstance(value, (list, tuple)):
+        entries = [(f"{place}[{i}]", entry) for i, entry in enumerate(value)]
+    else:
+        return None
+    return next((found for name, entry in entries if (found := _first_nonfinite(entry, name))), None)

@@ -1,0 +1,39 @@
+"""Read what `inspect_mesh` and `select_tilt` left of a model."""
+
+import numpy as np
+
+from reebslice.critical import unfold_saddles
+from reebslice.heightmesh import order_by_height
+from storage import read_json, read_table
+
+
+def read_points(folder):
+    """The surface vertices of the model in `folder`, (n, 3) model frame."""
+    vertices = read_table(folder / "vertices.parquet", "vertices")
+    return np.column_stack([vertices[axis].to_numpy() for axis in "xyz"])
+
+
+def read_faces(folder):
+    """The faces of the model in `folder`, (m, 3) int32 vertex ids."""
+    faces = read_table(folder / "faces.parquet", "faces")
+    return np.column_stack([faces[corner].to_numpy() for corner in "abc"])
+
+
+def read_rotation(folder):
+    """The rotation of the model in `folder` to the tilted frame, (3, 3)."""
+    return np.array(read_json(folder / "tilt.json")["rotation"])
+
+
+def read_height_mesh(folder):
+    """The surface of the model in `folder` in its tilted frame, saddles unfolded."""
+    return unfold_saddles(order_by_height(read_points(folder), read_faces(folder), read_rotation(folder)))
+
+
+def vertex_bodies(folder, mesh):
+    """Shell and body of every rank of `mesh`, two (n,) int32 arrays."""
+    faces = read_table(folder / "faces.parquet", "faces")
+    body_of_shell = read_table(folder / "shells.parquet", "shells")["body"].to_numpy()
+    shell = np.empty(mesh.vertex.max() + 1, np.int32)
+    for corner in "abc":
+        shell[faces[corner].to_numpy()] = faces["shell"].to_numpy()
+    return shell[mesh.vertex], body_of_shell[shell[mesh.vertex]]
