@@ -33,8 +33,15 @@ def test_steady_points_stay_where_the_circle_is_as_large():
     points = shapely.points([[2.0, 0.5], [8.0, 0.5], [1.0, 0.5]])
     moved = steady_points(shapes, points, np.array([0, 1, 2]), np.array([-1, 0, 1]))
     assert shapely.get_x(moved).tolist() == [2.0, 2.0, 2.0]
-    narrow = np.array([box(0, 0, 10), shapely.Polygon([(0, 0), (10, 0), (10, 3)])])
-    assert shapely.equals(steady_points(narrow, points[:2], np.array([0, 1]), np.array([-1, 0]))[1], points[1])
+    wedge = np.array([box(0, 0, 10), shapely.Polygon([(0, 0), (10, 0), (10, 3)])])
+    assert shapely.get_x(steady_points(wedge, points[:2], np.array([0, 1]), np.array([-1, 0])))[1] > 6
+
+
+def test_steady_points_go_across_a_ring_that_widens_and_not_around():
+    rings = np.array([shapely.Point(0, 0).buffer(r + 1, 64).difference(shapely.Point(0, 0).buffer(r, 64)) for r in (3, 5)])
+    points = shapely.points([[3.5, 0.0], [-5.5, 0.0]])
+    moved = steady_points(rings, points, np.array([0, 1]), np.array([-1, 0]))
+    assert shapely.get_coordinates(moved[1]).ravel() == pytest.approx([5.5, 0], abs=0.1)
 
 
 def test_boolean_similarity_of_boxes():

@@ -8,10 +8,12 @@ from .schemas import build_table
 
 SAMPLERS = ("inscribed", "representative", "centroid")
 
-# A point of the previous level stays in use while the circle around it has at
-# least this share of the largest radius, so that paths do not jump about in
-# regions where many circles are nearly largest.
-STEADY = 0.95
+# The point of the level below, or the best one near it, is taken while the
+# circle around it has at least this share of the largest radius, so that paths
+# do not jump about in regions where many circles are nearly largest.
+STEADY = 0.9
+# Steps of the search for that best one, each at most half as long as a radius.
+STEPS = 8
 # Of the search for the largest circle, whose time grows as its inverse.
 PRECISION = 0.05
 
@@ -49,7 +51,7 @@ def sample_nodes(contours, pieces, levels, rotation, sampler="inscribed"):
             **dict(zip("xyz", (tilted @ np.asarray(rotation)).T)),
             "critical": critical_regions(contours, pieces, len(regions)),
             "area": np.bincount(contours["region"].to_numpy(), contours["signed_area"].to_numpy(), len(regions)),
-            "inscribed_radius": np.where(shapely.contains(regions, points), _clearance(regions, points), 0.0),
+            "inscribed_radius": np.maximum(_clearance(regions, points), 0.0),
             "n_holes": np.bincount(contours["region"].to_numpy(), minlength=len(regions)) - 1,
         },
     )
@@ -74,23 +76,49 @@ def inscribed_points(regions):
 
 
 def steady_points(regions, points, level, predecessor):
-    """Points moved back to the one below wherever its circle is nearly as large.
+    """Points moved to the one below, or near it, where a circle there is nearly as large.
 
     predecessor : (R,) the only region below in the same block, or -1.
     """
     points = points.copy()
     radius = _clearance(regions, points)
     for height in np.unique(level):
-        here = np.flatnonzero((level == height) & (predecessor >= 0))
-        before = points[predecessor[here]]
-        fits = shapely.contains(regions[here], before)
-        keep = here[fits & (_clearance(regions[here], before) >= STEADY * radius[here])]
-        points[keep] = points[predecessor[keep]]
+        here = np.flatnonzero((level == height) & (predecessor >= 0) & (radius > 0))
+        near = climb(regions[here], points[predecessor[here]], radius[here])
+        keep = _clearance(regions[here], near) >= STEADY * radius[here]
+        points[here[keep]] = near[keep]
+    return points
+
+
+def climb(regions, points, radius):
+    """Walk away from the boundary until the clearance is no less than STEADY x radius, or STEPS are done.
+
+    regions, points : (k,) shapely; radius : (k,) of the largest circles. The
+    walk stays near where it starts: in a ring it goes across, not around.
+    """
+    points, stride = points.copy(), 0.5 * radius
+    gain = _clearance(regions, points)
+    for _ in range(STEPS):
+        active = np.flatnonzero(gain < STEADY * radius)
+        if len(active) == 0:
+            break
+        lines = shapely.shortest_line(shapely.boundary(regions[active]), points[active])
+        foot, place = shapely.get_coordinates(lines).reshape(-1, 2, 2).transpose(1, 0, 2)
+        away = (place - foot) * np.where(gain[active] >= 0, 1, -1)[:, None]
+        length = np.linalg.norm(away, axis=1, keepdims=True)
+        away = np.divide(away, length, out=np.zeros_like(away), where=length > 0)
+        tried = shapely.points(place + stride[active, None] * away)
+        better = _clearance(regions[active], tried)
+        wins = better > gain[active]
+        points[active[wins]], gain[active[wins]] = tried[wins], better[wins]
+        stride[active[~wins]] /= 2
     return points
 
 
 def _clearance(regions, points):
-    return np.nan_to_num(shapely.distance(shapely.boundary(regions), points))
+    """Distance to the boundary, negative outside, 0 where there is no region."""
+    distance = np.nan_to_num(shapely.distance(shapely.boundary(regions), points))
+    return np.where(shapely.contains(regions, points), distance, -distance)
 
 
 def single_predecessors(contours, pieces, count):
