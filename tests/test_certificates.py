@@ -1,6 +1,7 @@
 """The certificate is sound: what the pipeline makes holds, and whatever is altered is caught."""
 
 from functools import cache
+from pathlib import Path
 from tempfile import TemporaryDirectory
 
 import networkx as nx
@@ -11,12 +12,14 @@ import shapely
 
 from certify import mesh_lengths
 from pipeline import TABLES, run_stages
+from reebslice.certification import certificates
 from reebslice.certification.certificates import certify
 from reebslice.schemas import EVENTS, PIECE_KINDS, SCHEMAS
 from solids import (
     bowl_shape, cube, cup, hollow_ball, icosphere, linked_rings, monkey_saddle, move, nested_shells, overhang, plate,
-    torus, unite,
+    terrain, torus, unite,
 )  # fmt: skip
+from sources import find_sources
 from storage import read_json, read_table
 
 # Columns that state a choice or a reading that no invariant hangs on.
@@ -109,16 +112,31 @@ def test_a_coarse_model_is_not_called_exact():
     assert certificate(*results_, feature_size=100.0)["verdict"] != "exact"
 
 
+def test_features_that_cancel_inside_a_slab_are_told():
+    # two towers 4 high on a slab 5 high, and no level above 4.5
+    towers = terrain(np.array([[5, 5, 5, 5, 5], [5, 9, 5, 9, 5], [5, 5, 5, 5, 5]]))
+    whole = run(towers, [0, 0, 1], {"refine": "none", "distance": 1.0})
+    found = certificate(*whole, feature_size=4.5)
+    assert (found["compound"], found["cancelled_pairs"], found["cancelled_persistence"]) == (0, 1, 4.0)
+    assert failures(found) == [] and found["verdict"] == "exact_at_feature_size"
+    assert certificate(*whole, feature_size=3.5)["verdict"] == "uncertified"
+    assert certificate(*run(towers, [0, 0, 1], {"refine": "exact", "distance": 1.0}))["verdict"] == "exact"
+
+
 def test_lengths_are_relative_to_the_height_range():
     tables, tilt, _ = results("flat")
-    size, distance = mesh_lengths(
-        tables["vertices"], tilt, {"distance": 0.1, "units": "relative", "feature_size": None}
-    )
-    assert (size, distance) == pytest.approx((0.2 * 7, 0.1 * 7)) or size == pytest.approx(2 * distance)
-    assert mesh_lengths(tables["vertices"], tilt, {"distance": None, "units": "absolute", "feature_size": 3.0}) == (
-        3.0,
-        1.5,
-    )
+    height = np.ptp(np.stack([tables["vertices"][axis].to_numpy() for axis in "xyz"]), axis=1)[2]
+    relative = {"distance": 0.1, "units": "relative", "feature_size": None}
+    assert mesh_lengths(tables["vertices"], tilt, relative) == pytest.approx((0.2 * height, 0.1 * height))
+    absolute = {"distance": None, "units": "absolute", "feature_size": 3.0}
+    assert mesh_lengths(tables["vertices"], tilt, absolute) == (3.0, 1.5)
+
+
+def test_the_certifier_shares_no_code_with_what_it_certifies():
+    scripts = Path(certificates.__file__).parents[2]
+    library = {path.relative_to(scripts).as_posix() for path in find_sources(scripts / "certify.py")}
+    shared = {name for name in library if name.startswith("reebslice/") and "/certification/" not in name}
+    assert shared == {"reebslice/__init__.py", "reebslice/schemas.py"}
 
 
 # --------------------------------------------------------------------------

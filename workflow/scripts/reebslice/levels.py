@@ -132,9 +132,11 @@ def slice_surface(mesh, body_of_vertex, distance, refine="feature", feature_size
     while True:
         slices = cut_surface(mesh, levels, body_of_vertex)
         intervals = [] if refine == "none" else crowded_intervals(slices, significant, refine == "exact")
-        if not intervals:
+        cuts = [cut_between(mesh, *pair) for pair in pierce(intervals)]
+        cuts = [cut for cut in cuts if cut[1] not in levels.below]
+        if not cuts:
             return slices, refined
-        levels, refined = _insert(levels, refined, [cut_between(mesh, *pair) for pair in pierce(intervals)])
+        levels, refined = _insert(levels, refined, cuts)
 
 
 def crowded_intervals(slices, significant, elementary):

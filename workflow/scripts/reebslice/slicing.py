@@ -162,13 +162,19 @@ def _measure(points, start):
     return area, perimeter
 
 
-def emerging_areas(mesh, levels, contours, chosen):
-    """How the signed area of the `chosen` contours changes with the tilt, (k,) float64.
+# A sum of areas smaller than this share of its terms is rounding.
+CANCELS = 1e-9
 
-    A contour inside a flat may enclose nothing: its area is zero in the plane
-    z, and of the order of the infinitesimal tilt in the tilted one. This is
-    the coefficient of that order, so its sign is the sign of the area. At an
-    ordinary level it is the rate at which the area grows with height.
+
+def emerging_areas(mesh, levels, contours, chosen):
+    """Signs of contours that enclose nothing in their plane, (k,) float64 in [-1, 1].
+
+    Such contours lie inside flats, or at a level just above an extremum. In
+    the infinitesimally tilted plane their area is of the order of the tilt,
+    or of its square. Returned is the leading order's coefficient as a share
+    of its terms: its sign is that of the area, its size says how surely; 0
+    where both orders vanish. At an ordinary level the plane is not tilted but
+    lifted by an infinitesimal height.
     """
     return _emerging_areas(
         mesh.points, mesh.faces, mesh.twins, vertex_slabs(mesh, levels), contours.offset, contours.label,
@@ -184,36 +190,55 @@ def _emerging_areas(points, faces, twins, slab, offset, label, level, height, ti
             if first[label[i]] < 0:
                 first[label[i]] = h
     out = np.zeros(len(chosen))
+    last, now = np.zeros((3, 2)), np.zeros((3, 2))  # a crossing's place by orders of the tilt
     for place in range(len(chosen)):
         k, start = level[chosen[place]], first[chosen[place]]
-        # the last crossing closes the curve, so walk it once before the first
+        total, size = np.zeros(2), np.zeros(2)
         h, began = start, False
-        px, py, pu, pv = 0.0, 0.0, 0.0, 0.0
         while True:
-            low, high = faces[h // 3, h % 3], faces[h // 3, (h % 3 + 1) % 3]
-            x, y = cross_at(points[low], points[high], height[k], tie_x[k], tie_y[k])
-            rate = _crossing_rate(points[low], points[high], height[k], tie_x[k], tie_y[k])
-            u, v = rate * (points[high, 0] - points[low, 0]), rate * (points[high, 1] - points[low, 1])
-            x, y = x - points[faces[start // 3, start % 3], 0], y - points[faces[start // 3, start % 3], 1]
+            low, high = points[faces[h // 3, h % 3]], points[faces[h // 3, (h % 3 + 1) % 3]]
+            rates = _crossing_orders(low, high, height[k], tie_x[k], tie_y[k])
+            for axis in range(2):
+                now[0, axis] = low[axis] - points[faces[start // 3, start % 3], axis]
+                for order in range(3):
+                    step = rates[order] * (high[axis] - low[axis])
+                    now[order, axis] = now[order, axis] + step if order == 0 else step
             if began:
-                out[place] += 0.5 * (px * v - py * u + pu * y - pv * x)
+                for order in range(1, 3):
+                    for part in range(order + 1):
+                        term = last[part, 0] * now[order - part, 1] - last[part, 1] * now[order - part, 0]
+                        total[order - 1] += term
+                        size[order - 1] += abs(term)
                 if h == start:
                     break
             began = True
-            px, py, pu, pv = x, y, u, v
+            last[:] = now
             h = _next_crossing(faces, twins, slab, h, k)
+        for order in range(2):
+            if abs(total[order]) > CANCELS * size[order]:
+                out[place] = total[order] / size[order]
+                break
     return out
 
 
 @njit(cache=True, inline="always")
-def _crossing_rate(low, high, z, x, y):
-    """By how much of the mesh edge the crossing moves per unit of tilt (see cross_at)."""
-    if low[2] < high[2]:
-        if np.isnan(x):
-            return 1.0 / (high[2] - low[2])
-        t = (z - low[2]) / (high[2] - low[2])
-        return (x - low[0] - t * (high[0] - low[0])) / (high[2] - low[2])
-    if low[0] < high[0]:
-        t = (x - low[0]) / (high[0] - low[0])
-        return (y - low[1] - t * (high[1] - low[1])) / (high[0] - low[0])
-    return 0.0
+def _crossing_orders(low, high, z, x, y):
+    """Where on the mesh edge the crossing lies, by orders of the tilt e: t0 + t1 e + t2 e^2.
+
+    The height is z + e x + e^2 y. Where the ends tie in z, one order cancels;
+    at an ordinary level (x is NaN) e lifts the plane instead.
+    """
+    rise = (high[2] - low[2], high[0] - low[0], high[1] - low[1])
+    if np.isnan(x):
+        t = (z - low[2]) / rise[0]
+        return t, 1.0 / rise[0], 0.0
+    part = (z - low[2], x - low[0], y - low[1])
+    for tied in range(3):
+        if rise[tied] > 0.0:
+            t0 = part[tied] / rise[tied]
+            t1 = (part[tied + 1] - t0 * rise[tied + 1]) / rise[tied] if tied < 2 else 0.0
+            t2 = (part[2] - t0 * rise[2] - t1 * rise[1]) / rise[0] if tied == 0 else 0.0
+            if tied == 1:
+                t2 = -t1 * rise[2] / rise[1]
+            return t0, t1, t2
+    return 0.5, 0.0, 0.0

@@ -118,12 +118,18 @@ def certify(tables, tilt, graphs, feature_size, distance=None):
 
 
 def _verdict(case, ledger):
+    """The verdict, from the checks and from what the graph does not show apart.
+
+    That is, critical points that share a piece or a block, and pairs that
+    cancel inside a slab, where neither leaves a trace in the contours.
+    """
     if not ledger.holds():
         return "uncertified"
-    groups = unresolved_groups(case)
-    if not groups:
+    groups, cancelled = unresolved_groups(case), case.cancelled.max(initial=0.0)
+    if not groups and cancelled <= case.noise:
         return "exact"
-    return "exact_at_feature_size" if all(_small(case, group) for group in groups) else "uncertified"
+    small = all(_small(case, group) for group in groups) and cancelled < case.size
+    return "exact_at_feature_size" if small else "uncertified"
 
 
 def unresolved_groups(case):
@@ -157,7 +163,8 @@ def _figures(case):
             "share_below_half": float((values < 0.5).mean()),
         }
     index = None if handles is None else np.asarray(handles["index"])
-    margin = case.tilt.get("margin") if isinstance(case.tilt, dict) else None
+    cancelled, why = get("cancelled"), getattr(get("columns"), "levels", {}).get("why")
+    tilt = case.tilt if isinstance(case.tilt, dict) else {}
     return {
         "euler_characteristic": get("euler"),
         "genus": get("genus"),
@@ -172,7 +179,13 @@ def _figures(case):
         "compound": None if kinds is None else int((kinds == "compound").sum()),
         "unseen": None if kinds is None else int((kinds == "unseen").sum()),
         "unresolved_blocks": None if get("block_resolved") is None else int((~case.block_resolved).sum()),
-        "margin": margin,
+        "cancelled_pairs": None if cancelled is None else int((cancelled > case.noise).sum()),
+        "cancelled_persistence": None if cancelled is None else float(cancelled.max(initial=0.0)),
+        "levels": None if why is None else len(why),
+        "refined_levels": None if why is None else int((np.asarray(why) == "refined").sum()),
+        "margin": tilt.get("margin"),
+        "angle": tilt.get("angle"),
+        "morse": tilt.get("morse"),
         "feature_size": float(case.size),
         "similarity": similarity,
         "open_questions": {name: int(value) for name, value in case.open.items()},

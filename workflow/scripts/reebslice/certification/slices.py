@@ -184,7 +184,9 @@ def _kind(n_below, n_above, genus):
 
 def _check_essential(case, ledger, t):
     """The essential critical points of each piece, by the elder rule once more."""
-    count, _ = essential_points(case.split, case.split_sides, case.recount)
+    count, pairs = essential_points(case.split, case.split_sides, case.recount)
+    z = case.split.points[:, 2]
+    case.cancelled = np.abs(z[pairs[:, 0]] - z[pairs[:, 1]])  # what the graph does not show, in mesh units
     vertices = np.repeat(np.arange(len(count)), count)
     members = [[] for _ in t["piece"]]
     for vertex, piece in zip(vertices.tolist(), case.piece[case.recount.piece_of_vertex[vertices]].tolist()):
