@@ -67,17 +67,22 @@ def write_off(path, solid):
     Path(path).write_text("\n".join(lines) + "\n")
 
 
-def run_stages(solid, folder, **sections):
-    """Run all stages on `solid` in the empty `folder`; `sections` alter the options.
+def run_mesh(path, folder, **sections):
+    """Run all stages on the mesh file `path`, outputs into `folder`; `sections` alter the options.
 
     For instance ``tilt={"mode": "auto"}, levels={"distance": 0.05}``.
     """
-    folder = Path(folder)
-    write_off(folder / "model.off", solid)
     for stage, section in STAGES.items():
         options = OPTIONS.get(section, {}) | sections.get(section, {})
-        source = folder / "model.off" if stage == "inspect_mesh" else folder
-        importlib.import_module(stage).main(source, folder, options)
+        source = Path(path) if stage == "inspect_mesh" else Path(folder)
+        importlib.import_module(stage).main(source, Path(folder), options)
+
+
+def run_stages(solid, folder, **sections):
+    """Run all stages on `solid` in the empty `folder`, as :func:`run_mesh`: :class:`Result`."""
+    folder = Path(folder)
+    write_off(folder / "model.off", solid)
+    run_mesh(folder / "model.off", folder, **sections)
     tables = {name: read_table(folder / f"{name}.parquet", name).to_pylist() for name in TABLES}
     graphs = {
         name: nx.read_graphml(folder / f"{name}.graphml", force_multigraph=True)
