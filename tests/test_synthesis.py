@@ -1,5 +1,6 @@
 """Nodes, similarity, links and graphs against mathematics."""
 
+import igraph
 import networkx as nx
 import numpy as np
 import pytest
@@ -143,3 +144,16 @@ def test_the_augmented_graph_subdivides_the_solid_graph(tmp_path):
     assert all(augmented.degree(point) == 2 for point in points)
     assert loops(augmented) == loops(solid)
     assert nx.number_connected_components(augmented) == nx.number_connected_components(solid)
+
+
+@pytest.mark.filterwarnings("ignore:Could not add edge ids")  # it keeps the attribute, as it should
+@pytest.mark.parametrize("name", ["solid", "surface", "augmented"])
+def test_igraph_reads_the_same_multigraph(tmp_path, name):
+    result = run_stages(solids.torus(upright=True), tmp_path, levels={"distance": 0.2})
+    graph, read = result.graphs[name], igraph.Graph.Read_GraphML(str(tmp_path / f"{name}.graphml"))
+    assert not read.is_directed() and read.vs["id"] == list(graph)
+    ends = [frozenset(read.vs[end]["id"] for end in edge.tuple) for edge in read.es]
+    assert dict(zip(read.es["id"], ends)) == {key: frozenset((a, b)) for a, b, key in graph.edges(keys=True)}
+    if name != "augmented":
+        assert len(set(ends)) < len(ends), "the two arcs of the loop join the same nodes"
+    assert read.vs["height"] == [data["height"] for _, data in graph.nodes(data=True)]

@@ -124,6 +124,17 @@ def test_a_run_leaves_every_file_and_says_how_it_went(finished):
     assert said.index("1 rejected") > said.index("100%")
 
 
+def test_cores_and_batches_change_no_byte(finished, tmp_path):
+    shutil.copytree(finished[0] / "meshes", tmp_path / "meshes")
+    write_box(tmp_path / "meshes/another.off", 3.0)  # one more model in the batch
+    code, said = run(tmp_path, "--cores", "1", options=(*OPTIONS, "batches={size: 100}"))
+    assert code == 0, said
+    for model in ("tall", "sub__wide box"):
+        for name in (name for stage in STAGES for name in read_outputs(SCRIPTS / f"{stage}.py")):
+            one, other = (folder / "results/models" / model / name for folder in (finished[0], tmp_path))
+            assert one.read_bytes() == other.read_bytes(), f"{model}/{name}"
+
+
 def test_a_second_run_does_nothing(folder):
     code, said = run(folder)
     assert code == 0 and "Nothing to be done" in said

@@ -7,8 +7,8 @@ from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 from scipy.spatial import cKDTree
 
-from reebslice import gluing
-from reebslice.faults import find_used
+from . import gluing
+from .faults import find_used
 
 
 class Gluing(NamedTuple):

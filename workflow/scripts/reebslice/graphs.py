@@ -78,7 +78,9 @@ def reeb_graph(arcs, joints, attributes, prefix):
 
     arcs : rows of the table `arcs` of one graph; joints : {id: row}, those
     without arcs included; attributes : names of the arc columns to carry.
-    Node h7 is the joint 7; edge ids are `prefix` and the arc's number.
+    Node h7 is the joint 7; edge ids are `prefix` and the arc's number. They are
+    an attribute as well, because igraph 1.0 takes the ids of nodes for those
+    of edges unless an attribute `id` tells otherwise.
     """
     graph = nx.MultiGraph()
     for number in sorted(joints):

@@ -6,9 +6,9 @@ with a record of what was found and repaired, or the reason why there is none.
 
 import numpy as np
 
-from reebslice import closing, gluing, shells
-from reebslice.faults import find_fault, tell_place
-from reebslice.schemas import build_table
+from . import closing, gluing, shells
+from .faults import find_fault, tell_place
+from .schemas import build_table
 
 REPAIRS = ("merge", "duplicates", "split", "orient")
 DEFAULTS = {"repair": REPAIRS, "merge_tolerance": 1e-6}

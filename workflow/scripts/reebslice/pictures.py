@@ -13,8 +13,8 @@ from matplotlib.collections import LineCollection
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
-from reebslice.layouts import place_graph, trace_arc
-from reebslice.shading import (
+from .layouts import place_graph, trace_arc
+from .shading import (
     broadside_azimuth,
     fit_view,
     project_points,
