@@ -45,6 +45,18 @@ def test_steady_points_go_across_a_ring_that_widens_and_not_around():
     assert shapely.get_coordinates(moved[1]).ravel() == pytest.approx([5.5, 0], abs=0.1)
 
 
+def test_steady_points_start_from_a_region_without_room(tmp_path):
+    # the level at 0 runs through the lowest vertex of the pit, where the hole is but a point
+    pit = solids.terrain([[0, 1, 0], [1, 0, 1], [0, 1, 0]])
+    upside_down = {"mode": "direction", "direction": [0, 0, -1]}
+    for tilt in ({"mode": "none"}, upside_down):
+        nodes = run_stages(pit, tmp_path, tilt=tilt, levels={"distance": 0.25}, nodes={"sampler": "inscribed"}).nodes
+        assert all(np.isfinite([row["x"], row["y"], row["z"]]).all() for row in nodes)
+    shapes = np.array([shapely.Polygon(), box(0, 0, 2)])
+    points = shapely.points([[0.5, 0.5], [1.5, 0.5]])
+    assert shapely.get_x(steady_points(shapes, points, np.array([0, 1]), np.array([-1, 0]))).tolist() == [0.5, 0.5]
+
+
 def test_boolean_similarity_of_boxes():
     measured = boolean_similarity(np.array([box(0, 0, 2), box(0, 0, 1)]), np.array([box(1, 0, 2), box(5, 0, 1)]))
     assert measured["similarity"] == pytest.approx([1 / 3, 0])

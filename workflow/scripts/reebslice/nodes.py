@@ -36,9 +36,9 @@ def sample_nodes(contours, pieces, levels, rotation, sampler="inscribed"):
     if sampler == "centroid":
         centre = shapely.centroid(regions)
         points = np.where(shapely.contains(regions, centre), centre, points)
+    points = np.where(shapely.is_empty(points), _first_points(contours, len(regions)), points)
     if sampler == "inscribed":
         points = steady_points(regions, points, level, single_predecessors(contours, pieces, len(regions)))
-    points = np.where(shapely.is_empty(points), _first_points(contours, len(regions)), points)
     height = levels["height"].to_numpy()[level]
     tilted = np.column_stack([shapely.get_coordinates(points), height])
     return build_table(
@@ -78,6 +78,7 @@ def inscribed_points(regions):
 def steady_points(regions, points, level, predecessor):
     """Points moved to the one below, or near it, where a circle there is nearly as large.
 
+    points : (R,) shapely points, none empty; level : (R,) ascending;
     predecessor : (R,) the only region below in the same block, or -1.
     """
     points = points.copy()
