@@ -4,13 +4,9 @@ Every arc gets a lane, a vertical line on which it runs from its lower to its
 upper node, and bends only near its two ends. A node stands on the lane of
 its only arc above, or below, so that a join is a Y and an arc that ends in a
 leaf is straight; through a node with one arc on each side the lane runs on.
-Lanes that are side by side at some height keep their order, so arcs cross
-only where a bend runs over a lane, and crossings can be counted exactly: one
-for every node and every arc that passes the node's height between the
-outermost lanes of that node. The order is improved by sifting (C. Matuszewski, R. Schoenfeld, P. Molitor,
-Using sifting for k-layer straightline crossing minimization, GD 1999,
-doi:10.1007/3-540-46648-7_22); the positions then alternate between the mean
-of the neighbours and the nearest placing that keeps lanes apart.
+The order of the lanes is that of :mod:`reebslice.lane_orders`; the positions
+alternate between the mean of the neighbours and the nearest placing that
+keeps lanes and nodes apart.
 """
 
 from typing import NamedTuple
@@ -18,8 +14,13 @@ from typing import NamedTuple
 import numba
 import numpy as np
 
+from .lane_orders import list_incidence, order_lanes
+
 LANE_GAP = 1.0
 NODE_GAP = 0.7
+HINT = 0.25
+LARGEST = 3000
+ROUNDS = 120
 
 
 class FlatLayout(NamedTuple):
@@ -27,7 +28,6 @@ class FlatLayout(NamedTuple):
 
     nodes: np.ndarray
     lanes: np.ndarray
-    crossings: int
 
 
 def place_graph(heights, sources, targets, hints, margin=0.0):
@@ -36,8 +36,8 @@ def place_graph(heights, sources, targets, hints, margin=0.0):
     Parameters
     ----------
     heights, hints : (n,) floats
-        Height of every node, and a position across that decides the order
-        where nothing else does, such as that in a picture of the model.
+        Height of every node, and a position across toward which it is drawn,
+        such as that in a picture of the model.
     sources, targets : (m,) ints
         The nodes that every arc joins, in any order; several arcs may join
         the same two.
@@ -51,36 +51,25 @@ def place_graph(heights, sources, targets, hints, margin=0.0):
         Arcs that pass the same height, and share no node there, lie at least
         1 apart. Nodes at heights within 2 `margin` of each other lie at
         least 0.7 apart, and so does a node from a lane that is not its own.
-        The result depends on nothing else than the arguments.
+        Exempt are arcs that end within 2 `margin`, which run anywhere
+        between their nodes unless another joins the same two. A graph of
+        more than 3000 nodes and arcs is too large to be read this way: its
+        nodes stay where the hints put them. The result depends on nothing
+        else than the arguments.
     """
     heights, hints = np.asarray(heights, float), np.asarray(hints, float)
     rank = np.empty(len(heights), np.int64)
     rank[np.lexsort((np.arange(len(heights)), heights))] = np.arange(len(heights))
     ends = np.column_stack([sources, targets]).astype(np.int64).reshape(-1, 2)
     ends = np.where(rank[ends[:, :1]] > rank[ends[:, 1:]], ends[:, ::-1], ends)
+    if len(heights) + len(ends) > LARGEST:
+        return FlatLayout(hints, hints[ends].mean(axis=1))
     lane_of, home, lanes = _join_lanes(ends, heights, 2 * margin)
-    order, crossings = _best_order(lanes, rank, hints)
-    x = _relax(_list_items(order, lanes, home, hints), lanes, home, heights, margin)
+    order = order_lanes(lanes, rank, hints, heights[lanes[:, 1]] - heights[lanes[:, 0]] < 2 * margin)
+    x = _relax(_list_items(order, lanes, home, hints), lanes, home, heights, hints, margin)
     nodes = np.where(home >= 0, x[len(heights) + home], x[: len(heights)]) if len(lanes) else x[: len(heights)]
-    return FlatLayout(nodes, x[len(heights) :][lane_of], crossings)
-
-
-def count_crossings(order, ends, rank):
-    """Number of crossings when the arcs' lanes stand in `order`, a permutation (m,).
-
-    `ends` (m, 2): lower and upper node of every arc; `rank` (n,): place of
-    every node in the order of heights.
-    """
-    place = np.empty(len(order), np.int64)
-    place[np.asarray(order)] = np.arange(len(order))
-    total = 0
-    for node in range(len(rank)):
-        own = (ends == node).any(axis=1)
-        if own.any():
-            passing = (rank[ends[:, 0]] < rank[node]) & (rank[ends[:, 1]] > rank[node]) & ~own
-            between = (place > place[own].min()) & (place < place[own].max())
-            total += int((passing & between).sum())
-    return total
+    run = _straighten(x[len(heights) :][lane_of], ends, nodes, heights, 2 * margin)
+    return FlatLayout(nodes, run)
 
 
 def trace_arc(lower, upper, lane, bend, points=16):
@@ -128,128 +117,11 @@ def _join_lanes(ends, heights, reach):
     return lane_of, home, lanes
 
 
-# --------------------------------------------------------------------------
-# Order of the lanes
-
-
-def _best_order(ends, rank, hints):
-    """The better of two starts, sifted, and its number of crossings."""
-    if len(ends) == 0:
-        return np.empty(0, np.int64), 0
-    start, incident = _incidence(ends, len(rank))
-    by_hint = np.lexsort((np.arange(len(ends)), hints[ends].mean(axis=1)))
-    found = []
-    for order in (by_hint, _walk_order(ends, hints, start, incident)):
-        order = order.astype(np.int64)
-        _sift(order, ends, rank, start, incident, 12 if len(ends) <= 2000 else 2)
-        found.append((_count_fast(order, ends, rank, start, incident), order))
-    crossings, order = min(found, key=lambda pair: pair[0])
-    return order, int(crossings)
-
-
-def _incidence(ends, n):
-    """Arcs at every node: arcs of node v are incident[start[v]:start[v + 1]]."""
-    nodes = ends.ravel()
-    order = np.argsort(nodes, kind="stable")
-    start = np.concatenate([[0], np.cumsum(np.bincount(nodes, minlength=n))]).astype(np.int64)
-    return start, (order // 2).astype(np.int64)
-
-
-def _walk_order(ends, hints, start, incident):
-    """Arcs in the order of a walk that keeps every branch together, left to right."""
-    seen, order = np.zeros(len(ends), bool), []
-    for root in np.argsort(hints, kind="stable"):
-        stack = [int(root)]
-        while stack:
-            node = stack.pop()
-            fresh = [int(a) for a in incident[start[node] : start[node + 1]] if not seen[a]]
-            far = [int(ends[a].sum() - node) for a in fresh]
-            for arc, other in sorted(zip(fresh, far), key=lambda pair: (hints[pair[1]], pair[0])):
-                if not seen[arc]:
-                    seen[arc] = True
-                    order.append(arc)
-                    stack.append(other)
-    return np.array(order, np.int64)
-
-
-@numba.njit(cache=True)
-def _between(node, arc, moved, to, ends, rank, start, incident, place, at):
-    """1 if `arc`, standing at `at`, is crossed by a bend of `node`; `moved` counts as standing at `to`."""
-    low, high = rank[ends[arc, 0]], rank[ends[arc, 1]]
-    if not low < rank[node] < high:
-        return 0
-    least, most = len(place), -1
-    for k in range(start[node], start[node + 1]):
-        p = to if incident[k] == moved else place[incident[k]]
-        least, most = min(least, p), max(most, p)
-    return 1 if least < at < most else 0
-
-
-@numba.njit(cache=True)
-def _swap_gain(left, right, ends, rank, start, incident, place):
-    """Crossings added when the neighbours `left`, `right` change places."""
-    p = place[left]
-    gain = 0
-    for i in range(2):
-        if i == 0 or ends[left, 0] != ends[left, 1]:
-            node = ends[left, i]
-            gain += _between(node, right, left, p + 1, ends, rank, start, incident, place, p)
-            gain -= _between(node, right, left, p, ends, rank, start, incident, place, p + 1)
-        if i == 0 or ends[right, 0] != ends[right, 1]:
-            node = ends[right, i]
-            gain += _between(node, left, right, p, ends, rank, start, incident, place, p + 1)
-            gain -= _between(node, left, right, p + 1, ends, rank, start, incident, place, p)
-    return gain
-
-
-@numba.njit(cache=True)
-def _move(arc, to, order, place):
-    step = 1 if to > place[arc] else -1
-    while place[arc] != to:
-        p = place[arc]
-        order[p], order[p + step] = order[p + step], arc
-        place[order[p]], place[arc] = p, p + step
-
-
-@numba.njit(cache=True)
-def _sift(order, ends, rank, start, incident, rounds):
-    """Put every arc in turn where it crosses least, until nothing improves; in place."""
-    place = np.empty(len(order), np.int64)
-    for p in range(len(order)):
-        place[order[p]] = p
-    for _ in range(rounds):
-        improved = False
-        for arc in range(len(order)):
-            home = place[arc]
-            best, best_cost = home, 0
-            for step in (-1, 1):
-                cost = 0
-                while 0 <= place[arc] + step < len(order):
-                    p = place[arc]
-                    other = order[p + step]
-                    left, right = (arc, other) if step > 0 else (other, arc)
-                    cost += _swap_gain(left, right, ends, rank, start, incident, place)
-                    _move(arc, p + step, order, place)
-                    if cost < best_cost or (cost == best_cost and abs(p + step - home) < abs(best - home)):
-                        best, best_cost = p + step, cost
-                _move(arc, home, order, place)
-            _move(arc, best, order, place)
-            improved |= best_cost < 0
-        if not improved:
-            break
-
-
-@numba.njit(cache=True)
-def _count_fast(order, ends, rank, start, incident):
-    place = np.empty(len(order), np.int64)
-    for p in range(len(order)):
-        place[order[p]] = p
-    total = 0
-    for node in range(len(rank)):
-        if start[node] < start[node + 1]:
-            for arc in range(len(order)):
-                total += _between(node, arc, -1, 0, ends, rank, start, incident, place, place[arc])
-    return total
+def _straighten(run, ends, nodes, heights, reach):
+    """Positions (m,) of the arcs, those shorter than `reach` and without a parallel moved between their nodes."""
+    pairs, number, count = np.unique(ends, axis=0, return_inverse=True, return_counts=True)
+    short = (heights[ends[:, 1]] - heights[ends[:, 0]] < reach) & (count[number.ravel()] == 1)
+    return np.where(short, np.clip(run, nodes[ends].min(axis=1), nodes[ends].max(axis=1)), run)
 
 
 # --------------------------------------------------------------------------
@@ -264,7 +136,7 @@ def _list_items(order, lanes, home, hints):
     """
     n, place = len(hints), np.empty(len(order))
     place[order] = np.arange(len(order))
-    start, incident = _incidence(lanes, n)
+    start, incident = list_incidence(lanes, n)
     middle = np.full(n, np.nan)
     for node in np.flatnonzero(np.diff(start)):
         own = np.sort(place[incident[start[node] : start[node + 1]]])
@@ -302,25 +174,31 @@ def _is_short(lane, low, high):
 
 
 @numba.njit(cache=True)
-def _keep_apart(items, x, low, high, lanes, n):
+def _list_gaps(items, low, high, lanes, n):
+    """All pairs that keep a distance: left item, right item, distance, in the order of the left ones."""
+    left, right, gaps = [], [], []
+    for i in range(len(items)):
+        for j in range(i + 1, len(items)):
+            gap = _gap(items[i], items[j], low, high, lanes, n)
+            if gap > 0:
+                left.append(items[i])
+                right.append(items[j])
+                gaps.append(gap)
+    return np.array(left, dtype=np.int64), np.array(right, dtype=np.int64), np.array(gaps, dtype=np.float64)
+
+
+@numba.njit(cache=True)
+def _keep_apart(x, left, right, gaps):
     """The mean of the two placings that only push right, or only push left.
 
     Both keep every gap, and so does their mean.
     """
-    right, left = x.copy(), x.copy()
-    for i in range(len(items)):
-        b = items[i]
-        for j in range(i):
-            gap = _gap(items[j], b, low, high, lanes, n)
-            if gap > 0:
-                right[b] = max(right[b], right[items[j]] + gap)
-    for i in range(len(items) - 1, -1, -1):
-        a = items[i]
-        for j in range(i + 1, len(items)):
-            gap = _gap(a, items[j], low, high, lanes, n)
-            if gap > 0:
-                left[a] = min(left[a], left[items[j]] - gap)
-    return (left + right) / 2
+    pushed, pulled = x.copy(), x.copy()
+    for k in range(len(gaps)):
+        pushed[right[k]] = max(pushed[right[k]], pushed[left[k]] + gaps[k])
+    for k in range(len(gaps) - 1, -1, -1):
+        pulled[left[k]] = min(pulled[left[k]], pulled[right[k]] - gaps[k])
+    return (pushed + pulled) / 2
 
 
 @numba.njit(cache=True)
@@ -344,13 +222,18 @@ def _pull(x, lanes, home, start, incident):
     return wish
 
 
-def _relax(items, lanes, home, heights, margin):
-    """Positions (n + k,) of all items."""
+def _relax(items, lanes, home, heights, hints, margin):
+    """Positions (n + k,) of all items: near their neighbours, and a little near their hints."""
     n = len(heights)
     low = np.r_[heights, heights[lanes[:, 0]]] - margin
     high = np.r_[heights, heights[lanes[:, 1]]] + margin
-    start, incident = _incidence(lanes, n)
-    x = _keep_apart(items, np.zeros(len(low)), low, high, lanes, n)
-    for _ in range(int(np.clip(2e8 / max(len(items), 1) ** 2, 3, 200))):
-        x = _keep_apart(items, _pull(x, lanes, home, start, incident), low, high, lanes, n)
+    start, incident = list_incidence(lanes, n)
+    gaps = _list_gaps(items, low, high, lanes, n)
+    x = _keep_apart(np.zeros(len(low)), *gaps)
+    target = np.r_[hints, hints[lanes].mean(axis=1)]
+    target = (target - target.min(initial=np.inf)) / max(np.ptp(target) if len(target) else 0, 1e-300)
+    target = x.min(initial=0) + target * (x.max(initial=0) - x.min(initial=0))
+    for _ in range(ROUNDS):
+        wish = (1 - HINT) * _pull(x, lanes, home, start, incident) + HINT * target
+        x = _keep_apart(wish, *gaps)
     return x

@@ -4,7 +4,8 @@ Left the translucent surface in the tilted frame, height up, with the graph's
 arcs through the material points (figure 6 of Pareja-Corcho et al.); right the
 same graph drawn flat, every node at its height. An operation has one colour
 and one shape in both (colours of Okabe and Ito, told apart by the
-colour-blind); events of the void, side B, are hollow.
+colour-blind); side B is hollow. A ring marks a node that stands for several
+handles, which the levels do not separate.
 """
 
 import numpy as np
@@ -12,15 +13,16 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.collections import LineCollection
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
+from matplotlib.patheffects import withStroke
 
 from .layouts import place_graph, trace_arc
 from .shading import (
-    broadside_azimuth,
     fit_view,
     project_points,
     rasterize_mesh,
     shade_layers,
     shrink_image,
+    widest_azimuth,
 )
 
 MARKS = {
@@ -33,7 +35,7 @@ MARKS = {
 VERDICT_INKS = {"exact": "#00724F", "exact_at_feature_size": "#005A8C", "uncertified": "#B3470A"}
 INK, SOFT, FAR = "#1B1F24", "#5B6470", np.array([0.44, 0.47, 0.52])
 INCHES = (12.0, 7.2)
-TURN = 20.0  # degrees from broadside: the model is seen wide, yet in the round
+HALO = [withStroke(linewidth=1.6, foreground="white")]
 LABELS = 40  # nodes, beyond which handles are not numbered
 CASED = 400  # arcs, beyond which lines cross without a white casing
 
@@ -51,14 +53,14 @@ def draw_model(name, facts, verdict, points, faces, rotation, graph, paths, curv
         From the model frame to the tilted frame.
     graph : networkx.MultiGraph
         The solid's graph; nodes with height, x, y, z (model frame), side,
-        operation and handle, edges with arc.
+        operation, handle and, if not 1, n_handles, edges with arc.
     paths : dict
         For an arc the material points (k, 3), model frame, upward; an arc
         without an entry is drawn straight.
     curves : list of (k, 3) floats
         Closed contours in the tilted frame, drawn faintly.
     options : dict
-        width (pixels), azimuth (degrees, or None for nearly broadside) and
+        width (pixels), azimuth (degrees, or None for the largest silhouette) and
         elevation (degrees).
 
     Returns
@@ -70,16 +72,16 @@ def draw_model(name, facts, verdict, points, faces, rotation, graph, paths, curv
     width = int(options.get("width", 1600))
     figure = Figure(figsize=INCHES, dpi=width / INCHES[0], facecolor="white")
     FigureCanvasAgg(figure)
-    azimuth = options.get("azimuth")
-    azimuth = broadside_azimuth(points, faces) + TURN if azimuth is None else float(azimuth)
-    view, body, flat = _arrange(figure, points, azimuth, float(options.get("elevation", 15)))
+    azimuth, elevation = options.get("azimuth"), float(options.get("elevation", 15))
+    azimuth = widest_azimuth(points, faces, elevation) if azimuth is None else float(azimuth)
+    view, body, flat = _arrange(figure, points, azimuth, elevation)
     marks = [(key, graph.nodes[key]) for key in graph.nodes]
     places = np.array([[mark["x"], mark["y"], mark["z"]] for _, mark in marks], float).reshape(-1, 3)
     seen = project_points(places @ rotation.T, view)
     traces = _trace_paths(graph, marks, places, rotation, paths, view)
     _draw_body(body, points, faces, view, curves)
     _draw_traces(body, traces)
-    _draw_marks(body, marks, seen[:, :2], (0.008 * view.width, 0))
+    _draw_marks(body, marks, seen[:, :2])
     _draw_frame(body, view, rotation)
     _draw_flat(flat, graph, marks, seen, traces)
     _write_title(figure, name, facts, verdict)
@@ -187,20 +189,23 @@ def _draw_flat(axes, graph, marks, seen, traces):
     extent = float(np.ptp(heights)) if len(heights) else 0.0
     extent = extent if extent > 0 else 1.0
     ends = np.array([[i, j] for _, i, j, _ in traces], int).reshape(-1, 2)
-    layout = place_graph(heights, ends[:, 0], ends[:, 1], seen[:, 0], 0.022 * extent)
+    layout = place_graph(heights, ends[:, 0], ends[:, 1], seen[:, 0], _mark_size(len(marks)) / 660 * extent)
     spots = np.column_stack([layout.nodes, heights])
     lines = [
         trace_arc(spots[i], spots[j], lane, 0.03 * extent)
         for (i, j), lane in zip(ends, layout.lanes, strict=True)
     ]
     thick = 1.5 if len(lines) <= 60 else 1.0 if len(lines) <= CASED else 0.5
-    axes.add_collection(LineCollection(lines, colors=INK, linewidths=thick, zorder=2, capstyle="round"))
+    opacity = 1.0 if len(lines) <= 2000 else 0.35
+    axes.add_collection(
+        LineCollection(lines, colors=INK, linewidths=thick, alpha=opacity, zorder=2, capstyle="round")
+    )
     across = np.concatenate([layout.nodes, layout.lanes, [0.0]][: 2 if len(marks) else 3])
     middle, half = (across.min() + across.max()) / 2, max(np.ptp(across) * 0.54, 1.6)
     axes.set_xlim(middle - half, middle + half)
     low = heights.min() if len(heights) else 0.0
     axes.set_ylim(low - 0.04 * extent, low + 1.04 * extent)
-    _draw_marks(axes, marks, spots, (0.022 * half, 0))
+    _draw_marks(axes, marks, spots)
     for side in ("top", "right", "bottom"):
         axes.spines[side].set_visible(False)
     axes.spines["left"].set_color(SOFT)
@@ -220,7 +225,7 @@ def _mark_size(count):
     return float(np.clip(26 / max(count, 1) ** 0.36, 1.6, 8.0))
 
 
-def _draw_marks(axes, marks, spots, offset):
+def _draw_marks(axes, marks, spots):
     """The nodes, one artist per operation and side; their handles' numbers if they are few."""
     size = _mark_size(len(marks))
     for operation, (shape, colour) in MARKS.items():
@@ -229,10 +234,13 @@ def _draw_marks(axes, marks, spots, offset):
             if own:
                 axes.plot(*spots[own].T, linestyle="", clip_on=False, zorder=6, gid=f"{operation} {side}",
                           **_mark_style(shape, colour, side, size))  # fmt: skip
+    several = [i for i, (_, mark) in enumerate(marks) if mark.get("n_handles", 1) > 1]
+    if several:
+        axes.plot(*spots[several].T, linestyle="", clip_on=False, zorder=5.9, gid="several", **_ring_style(size))
     if len(marks) <= LABELS:
         for (_, mark), (x, y) in zip(marks, spots, strict=True):
-            axes.text(x + offset[0], y + offset[1], f"  {mark.get('handle', '')}", color=SOFT, fontsize=6.5,
-                      va="center_baseline", ha="left", zorder=7)  # fmt: skip
+            axes.annotate(str(mark.get("handle", "")), (x, y), (4.2, 2.6), textcoords="offset points", color=SOFT,
+                          fontsize=6.5, va="bottom", ha="left", zorder=7, path_effects=HALO)  # fmt: skip
 
 
 def _style(mark):
@@ -245,6 +253,11 @@ def _mark_style(shape, colour, side, size):
     hollow = {"markerfacecolor": "white", "markeredgecolor": colour, "markeredgewidth": max(0.19 * size, 0.5)}
     filled = {"markerfacecolor": colour, "markeredgecolor": "white", "markeredgewidth": 0.09 * size}
     return {"marker": shape, "markersize": size, **(filled if side == "A" else hollow)}
+
+
+def _ring_style(size):
+    return {"marker": "o", "markersize": 1.9 * size, "markerfacecolor": "none", "markeredgecolor": INK,
+            "markeredgewidth": max(0.1 * size, 0.4)}  # fmt: skip
 
 
 def _write_title(figure, name, facts, verdict):
@@ -260,11 +273,14 @@ def _write_legend(figure, marks):
     styles = [_style(mark) for _, mark in marks]
     entries = []
     for operation, (shape, colour) in MARKS.items():
-        for side, what in (("A", "material"), ("B", "void")):
+        for side in ("A", "B"):
             count = styles.count((operation, side))
             if count:
-                label = f"{operation or 'compound'}, {what} ({count:,})"
+                label = f"{operation or 'compound'} {side} ({count:,})"
                 entries.append(Line2D([], [], linestyle="", label=label, **_mark_style(shape, colour, side, 7)))
+    several = sum(mark.get("n_handles", 1) > 1 for _, mark in marks)
+    if several:
+        entries.append(Line2D([], [], linestyle="", label=f"several handles ({several:,})", **_ring_style(6)))
     if entries:
         columns = len(entries) if len(entries) <= 6 else (len(entries) + 1) // 2  # two rows, beyond what fits in one
         figure.legend(handles=entries, loc="lower left", bbox_to_anchor=(0.012, 0.004), ncols=columns,
