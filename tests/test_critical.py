@@ -8,7 +8,8 @@ from hypothesis import strategies as st
 
 from reebslice.critical import link_areas, morse_indices, saddle_contours, unfold_saddles, vertex_indices
 from reebslice.heightmesh import cross_at, find_twins, order_by_height
-from reebslice.pairing import connected_vertices, critical_persistence, pair_globally
+from reebslice.pairing import connected_vertices
+from reebslice.reeb import critical_persistence, surface_reeb_graph
 
 
 def height_mesh(solid, seed=None):
@@ -64,23 +65,25 @@ def test_upright_torus_has_the_four_textbook_points():
     mesh = height_mesh(solids.torus(upright=True, around=16, across=8), seed=0)
     critical = np.flatnonzero(vertex_indices(mesh))
     assert morse_indices(mesh, critical).tolist() == [0, 1, 1, 2]
-    partner = pair_globally(mesh)
-    assert (partner[critical] == -1).all(), "nothing cancels on a perfect torus"
-    persistence = critical_persistence(mesh)[critical]
-    whole = np.ptp(mesh.points[:, 2])
-    assert persistence.tolist() == [whole, np.inf, np.inf, whole]
+    graph = surface_reeb_graph(mesh)
+    assert graph.nodes.tolist() == critical.tolist()
+    persistence = critical_persistence(mesh, graph)[critical]
+    height = mesh.points[critical, 2]
+    whole, hole = height[3] - height[0], height[2] - height[1]
+    assert persistence.tolist() == [whole, hole, hole, whole]
 
 
 def test_the_lower_of_two_feet_pairs_with_nothing():
     # An arch on two feet of different length: the shorter foot ends where they meet.
     arch = solids.arch()
     mesh = height_mesh(solids.Solid(arch.points + 0.1 * arch.points[:, [2, 2, 0]] * [0, 0, 1], arch.faces))
-    minima = [v for v in np.flatnonzero(vertex_indices(mesh) == 1) if pair_globally(mesh)[v] > v]
-    assert len(minima) == 1
-    saddle = pair_globally(mesh)[minima[0]]
-    assert vertex_indices(mesh)[saddle] == -1
-    expected = mesh.points[saddle, 2] - mesh.points[minima[0], 2]
-    assert critical_persistence(mesh)[saddle] == pytest.approx(expected, rel=1e-15)
+    graph, index = surface_reeb_graph(mesh), vertex_indices(mesh)
+    low, high = graph.nodes, graph.nodes[graph.partner]
+    feet = (index[low] == 1) & (index[high] == -1)
+    assert feet.sum() == 1, "the longer foot goes with the top of the arch"
+    expected = mesh.points[high[feet], 2] - mesh.points[low[feet], 2]
+    assert critical_persistence(mesh, graph)[high[feet]] == pytest.approx(expected, rel=1e-15)
+    assert mesh.points[low[feet], 2] > mesh.points[0, 2]
 
 
 def test_areas_at_an_extremum_tell_material_from_void():

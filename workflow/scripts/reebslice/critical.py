@@ -3,7 +3,8 @@
 import numpy as np
 from numba import njit
 
-from .heightmesh import HeightMesh, canonical_faces, cross_at, find_twins
+from .exact_contours import exact_tilt, locate_corners, turns_clockwise, walk_crossings
+from .heightmesh import HeightMesh, canonical_faces, cross_at, find_twins, next_half_edge
 
 
 def vertex_indices(mesh):
@@ -13,9 +14,15 @@ def vertex_indices(mesh):
     doi:10.1007/BF01076127); a sign change is a face in which the vertex is
     the middle one. Values below -1 are multiple saddles.
     """
-    low, high = mesh.faces.min(axis=1), mesh.faces.max(axis=1)
-    middle = mesh.faces.sum(axis=1, dtype=np.int64) - low - high
-    return (1 - np.bincount(middle, minlength=len(mesh.points)) // 2).astype(np.int32)
+    return _count_indices(mesh.faces, len(mesh.points))
+
+
+@njit(cache=True)
+def _count_indices(faces, n):
+    twice = np.full(n, 2, np.int32)
+    for f in range(faces.shape[0]):
+        twice[min(faces[f, 1], faces[f, 2])] -= 1  # the first corner is the lowest
+    return twice // 2
 
 
 def morse_indices(mesh, vertices):
@@ -39,8 +46,9 @@ def unfold_saddles(mesh):
     if len(multiple) == 0:
         return mesh
     star = _stars(mesh.faces, multiple)
-    faces = [tuple(face) for face in mesh.faces.tolist()]
-    n = len(mesh.points)
+    touched = np.unique([face for faces in star.values() for face in faces])
+    faces = dict(zip(touched.tolist(), map(tuple, mesh.faces[touched].tolist())))
+    n, m = len(mesh.points), len(mesh.faces)
     origin, turn = list(range(n)), [0] * n  # rank key of a vertex: (origin, turn)
     for saddle in multiple.tolist():
         while True:
@@ -51,12 +59,16 @@ def unfold_saddles(mesh):
             turn[saddle] += 1
             origin.append(saddle)
             turn.append(turn[saddle] - 1)
-            _split(faces, star, saddle, len(origin) - 1, wedge)
+            _split(faces, m, star, saddle, len(origin) - 1, wedge)
+            m += 2
     order = np.lexsort((turn, origin))
     rank = np.empty(len(order), np.int32)
     rank[order] = np.arange(len(order), dtype=np.int32)
     origin = np.asarray(origin)[order]
-    new_faces = canonical_faces(rank[np.asarray(faces)])
+    changed = np.empty((m, 3), np.int32)
+    changed[: len(mesh.faces)] = mesh.faces
+    changed[list(faces)] = list(faces.values())
+    new_faces = canonical_faces(rank[changed])
     return HeightMesh(mesh.points[origin], new_faces, find_twins(new_faces, len(order)), mesh.vertex[origin])
 
 
@@ -118,8 +130,11 @@ def _zero_angle(points, origin, vertex, low, high):
     return np.arctan2(y - centre[1], x - centre[0])
 
 
-def _split(faces, star, upper, lower, wedge):
-    """Give the fan of `upper` over `wedge` to the new vertex `lower`, just below it."""
+def _split(faces, new, star, upper, lower, wedge):
+    """Give the fan of `upper` over `wedge` to the new vertex `lower`, just below it.
+
+    The two faces between them become the faces `new` and `new` + 1.
+    """
     pairs = set(zip(wedge[:-1], wedge[1:]))
     for face in sorted(star[upper]):
         a, b, c = faces[face]
@@ -128,11 +143,11 @@ def _split(faces, star, upper, lower, wedge):
             faces[face] = (lower, x, y)
             star[upper].discard(face)
     first, last = wedge[0], wedge[-1]
-    for face in ((lower, last, upper), (lower, upper, first)):
-        faces.append(face)
+    for number, face in enumerate(((lower, last, upper), (lower, upper, first)), new):
+        faces[number] = face
         for corner in face:
             if corner in star:
-                star[corner].add(len(faces) - 1)
+                star[corner].add(number)
 
 
 def link_areas(mesh, vertices):
@@ -180,11 +195,21 @@ def saddle_contours(mesh, saddles):
 
     Just below and just above it; where there is one contour, and not two, the
     second area is NaN. A saddle has two below and one above (union) or one
-    below and two above (separation).
+    below and two above (separation). An area that rounding could turn around,
+    as contours inside flats have, is a tiny one of the right sign.
     """
     wanted = np.full(len(mesh.points), -1, np.int32)
     wanted[saddles] = np.arange(len(saddles), dtype=np.int32)
-    return _saddle_contours(mesh.points, mesh.faces, mesh.twins, wanted, np.asarray(saddles, np.int32))
+    area, length, gate = _saddle_contours(mesh.points, mesh.faces, mesh.twins, wanted, np.asarray(saddles, np.int32))
+    rounding = 64 * np.finfo(float).eps * np.abs(mesh.points).max()
+    doubtful = np.argwhere(np.abs(area) <= rounding * (length + rounding)).tolist()
+    tilt = exact_tilt(mesh.points) if doubtful else None
+    for side, s, k in doubtful:
+        cut = int(saddles[s]) + side
+        low, high = walk_crossings(mesh.faces, mesh.twins, gate[side, s, k], cut)
+        corners = locate_corners(mesh.points, low.tolist(), high.tolist(), cut, tilt)
+        area[side, s, k] = np.finfo(float).tiny * (-1 if turns_clockwise(corners) else 1)
+    return area[0], area[1]
 
 
 @njit(cache=True)
@@ -197,32 +222,34 @@ def _saddle_contours(points, faces, twins, wanted, saddles):
             gate[1, wanted[tail], 1 if gate[1, wanted[tail], 0] >= 0 else 0] = h
         if wanted[head] >= 0 and tail < head < third:
             gate[0, wanted[head], 1 if gate[0, wanted[head], 0] >= 0 else 0] = h
-    area = np.full((2, len(saddles), 2), np.nan)
+    area, length = np.full((2, len(saddles), 2), np.nan), np.zeros((2, len(saddles), 2))
     for s in range(len(saddles)):
         for side in range(2):
             first, second = gate[side, s]
-            area[side, s, 0], met = _walk_from(points, faces, twins, first, second, saddles[s], saddles[s] + side)
+            cut = saddles[s] + side
+            area[side, s, 0], length[side, s, 0], met = _walk_from(points, faces, twins, first, second, saddles[s], cut)
             if not met:
-                area[side, s, 1], met = _walk_from(points, faces, twins, second, first, saddles[s], saddles[s] + side)
-    return area[0], area[1]
+                area[side, s, 1], length[side, s, 1], met = _walk_from(
+                    points, faces, twins, second, first, saddles[s], cut
+                )
+    return area, length, gate
 
 
 @njit(cache=True)
 def _walk_from(points, faces, twins, start, other, saddle, cut):
-    """Signed area of the contour through half-edge `start`; whether it meets `other`.
+    """Signed area and length of the contour through half-edge `start`; whether it meets `other`.
 
     The level is the saddle's: ranks from `cut` on are above it.
     """
     x0, y0, z0 = points[saddle]
-    area, met, px, py, h = 0.0, False, 0.0, 0.0, start
+    area, length, met, px, py, h = 0.0, 0.0, False, 0.0, 0.0, start
     while True:
         low, high = faces[h // 3, h % 3], faces[h // 3, (h % 3 + 1) % 3]
         x, y = cross_at(points[low], points[high], z0, x0, y0)
         area += 0.5 * (px * (y - y0) - py * (x - x0))
+        length += np.hypot(x - x0 - px, y - y0 - py)  # from the saddle, so never too short
         px, py = x - x0, y - y0
-        down = twins[h]
-        face, corner = down // 3, down % 3
-        h = 3 * face + ((corner + 1) % 3 if faces[face, (corner + 2) % 3] >= cut else (corner + 2) % 3)
+        h = next_half_edge(faces, twins, h, cut)
         met |= h == other
         if h == start:
-            return area, met
+            return area, length, met

@@ -43,8 +43,14 @@ def tilt_points(points, rotation):
 
 def height_order(points):
     """Surface vertices (n,) in ascending order of (z, x, y, id)."""
-    x, y, z = points.T
-    return np.lexsort((y, x, z)).astype(np.int32)
+    x, y, z = np.ascontiguousarray(points.T)
+    order = np.argsort(z)
+    same = z[order[1:]] == z[order[:-1]]
+    if same.any():  # ties are few, but in flats: only these are compared any further
+        tied = np.flatnonzero(np.append(same, False) | np.append(False, same))
+        chosen = np.sort(order[tied])
+        order[tied] = chosen[np.lexsort((y[chosen], x[chosen], z[chosen]))]
+    return order.astype(np.int32)
 
 
 def order_by_height(points, faces, rotation):
@@ -63,9 +69,32 @@ def order_by_height(points, faces, rotation):
 
 def canonical_faces(faces):
     """Faces with their smallest vertex first, in lexicographic order."""
-    first = np.argmin(faces, axis=1)[:, None]
-    turned = np.take_along_axis(faces, (first + np.arange(3)) % 3, axis=1)
-    return np.ascontiguousarray(turned[np.lexsort(turned.T[::-1])], dtype=np.int32)
+    return _sort_faces(np.ascontiguousarray(faces, dtype=np.int32), int(faces.max(initial=-1)) + 1)
+
+
+@njit(cache=True)
+def _sort_faces(faces, n):
+    """A counting sort by the first corner, then by insertion, as few faces share that."""
+    m = faces.shape[0]
+    start = np.zeros(n + 1, np.int64)
+    for f in range(m):
+        start[min(faces[f, 0], faces[f, 1], faces[f, 2]) + 1] += 1
+    for v in range(n):
+        start[v + 1] += start[v]
+    fill, out = start[:-1].copy(), np.empty((m, 3), np.int32)
+    for f in range(m):
+        a, b, c = faces[f]
+        if b < a and b < c:
+            a, b, c = b, c, a
+        elif c < a and c < b:
+            a, b, c = c, a, b
+        i = fill[a]
+        fill[a] += 1
+        while i > start[a] and (b < out[i - 1, 1] or (b == out[i - 1, 1] and c < out[i - 1, 2])):
+            out[i] = out[i - 1]
+            i -= 1
+        out[i, 0], out[i, 1], out[i, 2] = a, b, c
+    return out
 
 
 def find_twins(faces, n_vertices):
@@ -115,6 +144,17 @@ def _match_half_edges(faces, n):
             if twins[h] < 0:
                 return twins, h
     return twins, -1
+
+
+@njit(cache=True, inline="always")
+def next_half_edge(faces, twins, h, cut):
+    """The upward half-edge at which the contour through the upward half-edge h crosses next.
+
+    The level is given by ranks: those from `cut` on are above it.
+    """
+    down = twins[h]
+    face, corner = down // 3, down % 3
+    return 3 * face + ((corner + 1) % 3 if faces[face, (corner + 2) % 3] >= cut else (corner + 2) % 3)
 
 
 @njit(cache=True, inline="always")

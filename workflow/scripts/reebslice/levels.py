@@ -5,8 +5,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from .pairing import critical_persistence, pair_in_slabs
+from .pairing import pair_in_slabs
 from .pieces import Pieces, find_pieces
+from .reeb import critical_persistence, surface_reeb_graph
 from .regions import Regions, find_blocks, find_regions, host_unseen_voids
 from .slicing import Contours, Levels, trace_contours
 
@@ -126,17 +127,27 @@ def slice_surface(mesh, body_of_vertex, distance, refine="feature", feature_size
     heights = uniform_heights(mesh.points[0, 2], mesh.points[-1, 2], distance)
     levels = make_levels(mesh, heights)
     refined = np.zeros(len(heights), bool)
-    persistence = critical_persistence(mesh)  # NaN at regular vertices
+    graph = surface_reeb_graph(mesh)
+    persistence = critical_persistence(mesh, graph)  # NaN at regular vertices
     size = 2 * distance if feature_size is None else feature_size
     significant = persistence > 0 if refine == "exact" else persistence >= size
+    if refine == "exact":
+        levels, refined = _insert(mesh, levels, refined, unpierced_arcs(graph, levels, significant))
     while True:
         slices = cut_surface(mesh, levels, body_of_vertex)
         intervals = [] if refine == "none" else crowded_intervals(slices, significant, refine == "exact")
-        cuts = [cut_between(mesh, *pair) for pair in pierce(intervals)]
-        cuts = [cut for cut in cuts if cut[1] not in levels.below]
-        if not cuts:
+        more, refined = _insert(mesh, levels, refined, intervals)
+        if len(more.height) == len(levels.height):
             return slices, refined
-        levels, refined = _insert(levels, refined, cuts)
+        levels = more
+
+
+def unpierced_arcs(graph, levels, significant):
+    """Arcs of the surface's Reeb graph, (low, high), that no level cuts and whose ends are significant."""
+    ends = graph.nodes[graph.arcs]
+    first = np.searchsorted(levels.below, ends[:, 0], side="right")  # the lowest level above the lower end
+    cut = np.append(levels.below, len(significant))[first] <= ends[:, 1]
+    return list(map(tuple, ends[~cut & significant[ends].all(axis=1)].tolist()))
 
 
 def crowded_intervals(slices, significant, elementary):
@@ -187,7 +198,12 @@ def _members(group, n_groups, values):
     return np.split(values[order], np.searchsorted(group[order], np.arange(1, n_groups)))
 
 
-def _insert(levels, refined, cuts):
+def _insert(mesh, levels, refined, intervals):
+    """The levels with the fewest further ones that meet all intervals of ranks, and which are refined."""
+    cuts = [cut_between(mesh, *pair) for pair in pierce(intervals)]
+    cuts = [cut for cut in cuts if cut[1] not in levels.below]
+    if not cuts:
+        return levels, refined
     height, below, tie_x, tie_y = map(np.array, zip(*cuts))
     merged = [np.concatenate(pair) for pair in zip(levels, (height, below, tie_x, tie_y))]
     refined = np.concatenate([refined, np.ones(len(cuts), bool)])

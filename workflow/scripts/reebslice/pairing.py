@@ -9,7 +9,6 @@ whatever enters through a level is older than anything that begins in the slab.
 import numpy as np
 from numba import njit
 
-from .critical import morse_indices, vertex_indices
 from .slicing import vertex_slabs
 
 
@@ -22,39 +21,6 @@ def pair_in_slabs(mesh, levels, contours):
     """
     slab = vertex_slabs(mesh, levels)
     return _pair(mesh, slab, contours.offset, contours.label, len(contours.level))
-
-
-def pair_globally(mesh):
-    """Partner of every vertex on the whole surface, (n,) int32, -1 for none.
-
-    Unpaired are the lowest and the highest vertex of each shell and the two
-    saddles of each of its genus loops.
-    """
-    slab = np.zeros(len(mesh.points), np.int32)
-    offset = np.zeros(3 * len(mesh.faces) + 1, np.int64)
-    return _pair(mesh, slab, offset, np.zeros(0, np.int32), 0)
-
-
-def critical_persistence(mesh):
-    """Persistence of every vertex, (n,) float64 in mesh units; NaN if regular.
-
-    The height between the two members of a pair. An unpaired extremum has
-    the height of its shell; an unpaired saddle, one of a loop, has infinity.
-    """
-    partner = pair_globally(mesh)
-    height = mesh.points[:, 2]
-    persistence = np.full(len(height), np.nan)
-    paired = partner >= 0
-    persistence[paired] = np.abs(height[paired] - height[partner[paired]])
-    loose = np.flatnonzero((vertex_indices(mesh) != 0) & ~paired)
-    saddle = morse_indices(mesh, loose) == 1
-    persistence[loose[saddle]] = np.inf
-    shell = connected_vertices(mesh)
-    low, high = np.full(shell.max() + 1, np.inf), np.full(shell.max() + 1, -np.inf)
-    np.minimum.at(low, shell, height)
-    np.maximum.at(high, shell, height)
-    persistence[loose[~saddle]] = (high - low)[shell[loose[~saddle]]]
-    return persistence
 
 
 def connected_vertices(mesh):
