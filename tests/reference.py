@@ -13,6 +13,7 @@ that it changes the order of no two vertices. Flats are then no special case.
 from collections import Counter
 from dataclasses import dataclass
 from fractions import Fraction
+from functools import cmp_to_key
 
 import networkx as nx
 import numpy as np
@@ -103,6 +104,50 @@ def find_regions(points, faces, above, level):
     heights = [point[2] for point in exact]
     curves = {c: locate_contour(c, heights, Fraction(level), exact) for c in walk_contours(faces, above)}
     return {frozenset(map(frozenset, region)) for region in nest_contours(curves).values()}
+
+
+# --------------------------------------------------------------------------
+# Contours between the parts of a multiple saddle, which touch in its point
+
+
+def locate_touching(contour, origin, saddle, heights, exact):
+    """Corners of a contour at the height of a saddle; `origin` of each part is the vertex that it is part of."""
+    corners = []
+    for low, high in contour:
+        p, q = origin[low], origin[high]
+        if p == q:
+            corners.append(exact[saddle][:2])
+        else:
+            corners += locate_contour([(p, q)], heights, heights[saddle], exact)
+    return [corner for k, corner in enumerate(corners) if corner != corners[k - 1]]
+
+
+def count_crossings(curves, centre):
+    """How many pairs of strands through the point `centre` cross there, of all the closed curves."""
+    strands = []
+    for corners in curves:
+        for k, corner in enumerate(corners):
+            if corner == centre:
+                strands.append((corners[k - 1], corners[(k + 1) % len(corners)]))
+    around = sorted((end for strand in strands for end in strand), key=cmp_to_key(lambda p, q: _turn(centre, p, q)))
+    chords = [sorted(map(around.index, strand)) for strand in strands]
+    return sum(a < c < b < d for a, b in chords for c, d in chords)
+
+
+def _turn(centre, p, q):
+    """Negative if p comes before q on the way around the centre, counter-clockwise from the +x axis."""
+    (px, py), (qx, qy) = ((x - centre[0], y - centre[1]) for x, y in (p, q))
+    halves = [(y < 0) or (y == 0 and x < 0) for x, y in ((px, py), (qx, qy))]
+    if halves[0] != halves[1]:
+        return halves[0] - halves[1]
+    return py * qx - px * qy
+
+
+def start_away(corners, centre):
+    """The same closed curve, from a new corner amid a segment that does not end in the point `centre`."""
+    k = next(k for k in range(len(corners)) if centre not in (corners[k - 1], corners[k]))
+    middle = tuple((a + b) / 2 for a, b in zip(corners[k - 1], corners[k]))
+    return [middle, *corners[k:], *corners[:k]]
 
 
 # --------------------------------------------------------------------------

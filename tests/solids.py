@@ -7,6 +7,7 @@ of shells, of voids (shells around no material) and the sum of the genera.
 """
 
 from dataclasses import dataclass, replace
+from functools import cache
 
 import manifold3d
 import numpy as np
@@ -226,21 +227,25 @@ def fill_pinches(filled):
     Around each grid edge and grid vertex both the filled and the empty cells
     have to be connected through faces; where they are not, everything there is filled.
     """
-    grid = np.pad(np.asarray(filled, bool), 1)
-    blocks = [(2, 2, 1), (2, 1, 2), (1, 2, 2), (2, 2, 2)]
-    changed = True
+    grid, changed = np.pad(np.asarray(filled, bool), 1), True
     while changed:
         changed = False
-        for shape in blocks:
-            for corner in np.ndindex(*(n - s + 1 for n, s in zip(grid.shape, shape))):
-                window = grid[tuple(slice(c, c + s) for c, s in zip(corner, shape))]
-                if _count_parts(window) > 1 or _count_parts(~window) > 1:
-                    window[...] = True
-                    grid, changed = np.pad(grid, 1), True
-                    break
-            if changed:
-                break
+        for shape in [(2, 2, 1), (2, 1, 2), (1, 2, 2), (2, 2, 2)]:
+            cells, places = int(np.prod(shape)), np.subtract(grid.shape, shape) + 1
+            windows = np.lib.stride_tricks.sliding_window_view(grid, shape).reshape(*places, cells)
+            codes = windows @ (1 << np.arange(cells))
+            for corner in np.argwhere(_pinched_windows(shape)[codes]):
+                grid[tuple(slice(c, c + s) for c, s in zip(corner, shape))] = changed = True
+        grid = np.pad(grid, 1) if changed else grid
     return grid
+
+
+@cache
+def _pinched_windows(shape):
+    """For every filling of a window, as a binary number, whether it is to be filled: (2^cells,) bool."""
+    cells = int(np.prod(shape))
+    fillings = (np.arange(2**cells)[:, None] >> np.arange(cells) & 1).astype(bool).reshape(-1, *shape)
+    return np.array([_count_parts(w) > 1 or _count_parts(~w) > 1 for w in fillings])
 
 
 def _count_parts(window):
@@ -433,3 +438,245 @@ def turned(solids):
 
 def any_solids():
     return st.one_of(voxel_solids(), trusses(), terrains(), blobs(), nests(), csgs(False), csgs())
+
+
+# --------------------------------------------------------------------------
+# Solids for flats, ties and multiple saddles
+
+
+def grid_boxes(boxes, diagonals=0, size=6):
+    """The union of boxes with whole corners, given as ((x0, y0, z0), (x1, y1, z1)) within 0..size."""
+    grid = np.zeros((size,) * 3, bool)
+    for low, high in boxes:
+        grid[tuple(slice(min(a, b, size - 1), max(a, b, min(a, b, size - 1) + 1)) for a, b in zip(low, high))] = True
+    grid = fill_pinches(grid)
+    return replace(voxels(grid, diagonals), **count_topology(grid))
+
+
+def plateaus(heights, feet=None, diagonals=0):
+    """Columns of whole heights (a, b) on a plate, and feet below it: staircases, combs, plateaus at equal heights."""
+    heights = np.asarray(heights, int)
+    feet = np.zeros_like(heights) if feet is None else np.asarray(feet, int)
+    level = np.arange(-feet.max(), heights.max() + 1)
+    grid = fill_pinches((level <= heights[..., None]) & (level >= -feet[..., None]))
+    return replace(voxels(grid, diagonals), **count_topology(grid))
+
+
+def stretch(solid, seed, thin=0.0, share=0.4):
+    """Its whole coordinates put at increasing numbers, a `share` of the steps as small as `thin`.
+
+    With 0 these lead to the next float. The faces stay parallel to the axes and keep their order, so nothing meets
+    that did not meet before.
+    """
+    random, points = np.random.default_rng(seed), solid.points.copy()
+    for axis in range(3):
+        whole = np.unique(points[:, axis])
+        place = [random.random()]
+        for k in range(1, len(whole)):
+            small = random.random() < share and k < len(whole) - 1
+            place.append(max(place[-1] + (thin if small else random.uniform(0.1, 1)), np.nextafter(place[-1], np.inf)))
+        points[:, axis] = np.array(place)[np.searchsorted(whole, points[:, axis])]
+    return replace(solid, points=points)
+
+
+def jitter(solid, seed, ulps=2):
+    """Every coordinate moved by a few units in its last place: flats that are flat but for rounding."""
+    random = np.random.default_rng(seed)
+    steps = random.integers(-ulps, ulps + 1, solid.points.shape)
+    unit = np.spacing(np.abs(solid.points).max())
+    return replace(solid, points=solid.points + steps * unit)
+
+
+def thin_shell(solid, thickness, core=False):
+    """A star-shaped solid, hollow: its surface shrunk towards the origin is the void's.
+
+    With a core the void is what is thin, between the wall and another copy of the solid.
+    """
+    inner = scale(solid, 1 - thickness)
+    return unite(scale(solid, 2), carve(solid), inner) if core else unite(solid, carve(inner))
+
+
+def machined(seed, steps=5):
+    """A block with round and square holes, grooves and closed cavities; None when nothing is left."""
+    random = np.random.default_rng(seed)
+    solid = manifold3d.Manifold.cube((6.0, 5.0, 4.0))
+    for _ in range(steps):
+        kind, place = random.integers(4), random.uniform(0.5, 4.5, 3)
+        if kind == 0:
+            part = manifold3d.Manifold.cylinder(8.0, random.uniform(0.2, 0.8), circular_segments=7)
+            part = part.translate((0, 0, -4)).rotate([(0, 0, 0), (90, 0, 0), (0, 90, 0)][random.integers(3)])
+        elif kind == 1:
+            part = manifold3d.Manifold.sphere(random.uniform(0.3, 0.9), 8)
+        else:
+            part = manifold3d.Manifold.cube(tuple(random.integers(1, 8, 3) * 0.5), True)
+            place = np.round(2 * place) / 2
+        part = part.translate(tuple(place))
+        solid = solid + part if kind == 3 else solid - part
+    return from_manifold(solid)
+
+
+def from_manifold(solid):
+    """The surface of a manifold3d solid; None where it is empty or vertices coincide."""
+    mesh = solid.to_mesh64()
+    points, faces = np.array(mesh.vert_properties)[:, :3], np.array(mesh.tri_verts, dtype=np.int64)
+    if not len(faces) or len(np.unique(points, axis=0)) < len(points):
+        return None
+    return Solid(points, faces, genus=sum(part.genus() for part in solid.decompose()))
+
+
+def cone(seed, size=24, subdivisions=1):
+    """All segments from the origin to a patch of a sphere with a winding rim: genus 0.
+
+    Vertex 0 is the tip. Its link is the rim, a closed curve that may cross the horizontal plane many times and
+    in any order around the tip.
+    """
+    random, sphere = np.random.default_rng(seed), icosphere(subdivisions)
+    faces = sphere.faces.tolist()
+    points = transform(sphere, rotation(seed)).points * random.uniform(1, 2, len(sphere.points))[:, None]
+    patch = _grow_disk(faces, random, size)
+    rim = {(a, b) for f in patch for a, b in zip(faces[f], faces[f][1:] + faces[f][:1])}
+    rim = [(a, b) for a, b in rim if (b, a) not in rim]
+    used = sorted({v for f in patch for v in faces[f]})
+    name = {v: k + 1 for k, v in enumerate(used)}
+    lid = [[name[v] for v in faces[f]] for f in patch]
+    wall = [[0, name[b], name[a]] for a, b in rim]
+    return Solid(np.concatenate([[[0, 0, 0]], points[used]]), np.array(lid + wall), 1, 0, 0)
+
+
+def _grow_disk(faces, random, size):
+    """Faces of a sphere that form a disk, added one by one so that it stays one, mostly at its newest end."""
+    owner = {side: f for f, face in enumerate(faces) for side in zip(face, face[1:] + face[:1])}
+    near = [[owner[b, a] for a, b in zip(face, face[1:] + face[:1])] for face in faces]
+    patch = [int(random.integers(len(faces)))]
+    seen = set(faces[patch[0]])
+
+    def keeps_disk(f):
+        shared, fresh = sum(g in patch for g in near[f]), len(set(faces[f]) - seen)
+        return f not in patch and (shared, fresh) in ((1, 1), (2, 0))
+
+    while len(patch) < size:
+        ends = patch[::-1] if random.random() < 0.9 else random.permutation(patch).tolist()
+        f = next((f for end in ends for f in random.permutation(near[end]).tolist() if keeps_disk(f)), None)
+        if f is None:
+            break
+        patch.append(f)
+        seen.update(faces[f])
+    return patch
+
+
+def wedges(signs, seed):
+    """A prism whose top goes up and down around its middle (vertex 0) as `signs` say; angles and heights vary."""
+    random, count = np.random.default_rng(seed), len(signs)
+    angle = 2 * np.pi * (np.arange(count) + random.uniform(-0.35, 0.35, count)) / count
+    reach = random.uniform(0.5, 2, count)
+    ring = np.stack([reach * np.cos(angle), reach * np.sin(angle)], axis=1)
+    top = np.column_stack([ring, np.asarray(signs) * random.integers(1, 3, count)])
+    bottom = np.column_stack([ring, np.full(count, -3.0)])
+    points = np.concatenate([[[0, 0, 0]], top, bottom, [[0, 0, -3]]])
+    i, j = np.arange(count), (np.arange(count) + 1) % count
+    lid = np.stack([0 * i, i + 1, j + 1], 1)
+    base = np.stack([0 * i + 2 * count + 1, j + 1 + count, i + 1 + count], 1)
+    wall = [np.stack([i + 1, i + 1 + count, j + 1 + count], 1), np.stack([i + 1, j + 1 + count, j + 1], 1)]
+    return Solid(points, np.concatenate([lid, base, *wall]), 1, 0, 0)
+
+
+def boxes_on_grid(most=8, size=6):
+    """Unions of 2 to `most` boxes with whole corners, which touch and share planes as a rule."""
+    corner = st.tuples(*[st.integers(0, size)] * 3)
+    return st.builds(grid_boxes, st.lists(st.tuples(corner, corner), min_size=2, max_size=most), st.integers(0, 3))
+
+
+def plateau_solids(size=4, height=3):
+    row = st.lists(st.integers(0, height), min_size=size, max_size=size)
+    field = st.lists(row, min_size=size, max_size=size)
+    return st.builds(plateaus, field, st.one_of(st.none(), field), st.integers(0, 3))
+
+
+def combs(teeth=5):
+    """Rows of teeth of few heights, up and down."""
+    row = st.lists(st.integers(0, 2), min_size=2 * teeth - 1, max_size=2 * teeth - 1)
+    gaps = row.map(lambda heights: [[h * (k % 2 == 0) for k, h in enumerate(heights)]])
+    return st.builds(plateaus, gaps, gaps, st.integers(0, 3))
+
+
+def flat_solids():
+    return st.one_of(boxes_on_grid(5, 4), plateau_solids(3), combs(), voxel_solids())
+
+
+def stretched():
+    """Flat solids with walls and gaps down to the spacing of floats."""
+    return st.builds(stretch, flat_solids(), SEEDS, st.sampled_from([0.1, 1e-3, 1e-9, 1e-14, 0.0]))
+
+
+def jittered():
+    return st.builds(jitter, flat_solids(), SEEDS, st.integers(1, 4))
+
+
+def thin_shells():
+    """Hollow solids with thin walls, and such with a core that nearly fills them."""
+    stars = st.one_of(blobs(), st.just(move(cube(1), [-0.5, -0.5, -0.5])))
+    thickness = st.sampled_from([0.1, 1e-3, 1e-6, 1e-9, 1e-12])
+    return st.builds(thin_shell, stars, thickness, st.booleans())
+
+
+def machined_parts():
+    return st.builds(machined, SEEDS, st.integers(2, 7)).filter(lambda solid: solid is not None)
+
+
+def cones():
+    return st.builds(cone, SEEDS, st.integers(20, 120), st.just(2))
+
+
+def wedge_solids():
+    """Saddles of multiplicity 2 to 5, made of neighbouring slopes of any width."""
+    runs = st.lists(st.integers(1, 2), min_size=6, max_size=12).map(lambda runs: runs[: len(runs) // 2 * 2])
+    signs = runs.map(lambda runs: [(-1) ** k for k, run in enumerate(runs) for _ in range(run)])
+    return st.builds(wedges, signs, SEEDS)
+
+
+# --------------------------------------------------------------------------
+# Cavities, and solids in them
+
+
+def nest(*shells):
+    """Shells one inside the other, material and void in turn from the outside in."""
+    return unite(*(carve(shell) if k % 2 else shell for k, shell in enumerate(shells)))
+
+
+def box(width, depth, height, centre=(0.0, 0.0, 0.0)):
+    return move(scale(move(cube(), [-0.5, -0.5, -0.5]), [width, depth, height]), centre)
+
+
+def tube(curve, radius=0.4, around=36, across=5):
+    """A tube about a closed curve: `curve` maps (k,) parameters, of period 2 pi, to (k, 3) points of no straight stretch.
+
+    The cross sections stand in the plane of normal and binormal. The caller
+    sees to it that the tube does not meet itself.
+    """
+    t, step = 2 * np.pi * np.arange(around) / around, 1e-3
+    before, here, after = curve(t - step), curve(t), curve(t + step)
+    tangent = after - before
+    tangent /= np.linalg.norm(tangent, axis=1)[:, None]
+    binormal = np.cross(tangent, after - 2 * here + before)
+    binormal /= np.linalg.norm(binormal, axis=1)[:, None]
+    normal = np.cross(binormal, tangent)
+    roll = 2 * np.pi * np.arange(across) / across
+    points = here[:, None] + radius * (
+        np.sin(roll)[:, None] * binormal[:, None] - np.cos(roll)[:, None] * normal[:, None]
+    )
+    return replace(torus(around=around, across=across), points=points.reshape(-1, 3))
+
+
+def trefoil(radius=0.4, around=36, across=5):
+    """A knotted ring."""
+
+    def curve(t):
+        return np.stack([np.sin(t) + 2 * np.sin(2 * t), np.cos(t) - 2 * np.cos(2 * t), -np.sin(3 * t)], axis=1)
+
+    return tube(curve, radius, around, across)
+
+
+def winding_voids():
+    """Caves side by side in a bar, whose holes open, part, meet and close: most of it without a branch of the solid."""
+    caves = [move(arch(), [-11, -0.5, -1.5]), move(bowl_shape(), [-6, -0.5, -1.6]), move(tunnel(), [0, -1, -1.4])]
+    return unite(box(30, 9, 9), *map(carve, [*caves, move(torus(1.2, 0.4, upright=True), [8, 0, 0.1])]))

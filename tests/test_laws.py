@@ -13,6 +13,8 @@ import solids
 from hypothesis import HealthCheck, Phase, assume, given, settings
 from hypothesis import strategies as st
 
+from reebslice.critical import unfold_saddles
+from reebslice.heightmesh import order_by_height
 from reebslice.schemas import EVENTS
 
 pytestmark = pytest.mark.skipif(bool(pipeline.missing_stages()), reason=f"no stages {pipeline.missing_stages()}")
@@ -57,6 +59,11 @@ class Comparison:
         self.kept = sorted(self.cut)
         inside = [n for level, n in below if level not in self.cut]
         self.parted = {self.order[int(np.searchsorted(unfolded, n)) - 1] for n in inside}
+
+    def is_parted(self, group):
+        """Whether a level that was left out runs through a group of critical points, or beside it."""
+        places = [self.order.index(v) for v in group.vertices]
+        return any(min(places) <= self.order.index(v) <= max(places) for v in self.parted)
 
     @cached_property
     def aboves(self):
@@ -138,6 +145,33 @@ def check_regions(c):
         assert {frozenset(contour for contour, _ in region) for region in found.values()} == c.states[c.cut[level]]
 
 
+def check_parted(c):
+    """Levels between the parts of a multiple saddle: their contours touch there but do not cross; their regions."""
+    if not c.parted:
+        return
+    vertices = np.array([[row[axis] for axis in "xyz"] for row in c.result.vertices])
+    mesh = unfold_saddles(order_by_height(vertices, np.array(c.result.faces), c.result.tilt["rotation"]))
+    origin, faces = mesh.vertex.tolist(), [tuple(face) for face in mesh.faces.tolist()]
+    order = {(face[k], face[(k + 1) % 3]): (f, k) for f, face in enumerate(faces) for k in range(3)}
+    heights, exact = reference.tilt_slightly(c.result.points)
+    for row in c.result.levels:
+        if row["level"] in c.cut:
+            continue
+        walked = reference.walk_contours(faces, set(range(row["vertices_below"], len(origin))))
+        walked.sort(key=lambda contour: min(order[edge] for edge in contour))
+        saddle = origin[row["vertices_below"]]
+        assert saddle == origin[row["vertices_below"] - 1]
+        spot = exact[saddle][:2]
+        curves = [reference.locate_touching(contour, origin, saddle, heights, exact) for contour in walked]
+        assert not reference.count_crossings(curves, spot)
+        found = {}
+        for contour, stated in enumerate(r for r in c.result.contours if r["level"] == row["level"]):
+            found.setdefault(stated["region"], set()).add(contour)
+        apart = {contour: reference.start_away(curve, spot) for contour, curve in enumerate(curves)}
+        regions = reference.nest_contours(apart)
+        assert sorted(map(sorted, found.values())) == sorted(map(sorted, regions.values()))
+
+
 def check_pieces(c):
     slabs = c.slabs()
     expected = Counter()
@@ -191,7 +225,7 @@ def check_handles(c, resolved):
         handles.setdefault(row["vertex"], []).append(row)
     assert handles.keys() <= set(c.surface), "a handle at a regular vertex"
     for group in groups:
-        if group.vertices & c.parted:
+        if c.is_parted(group):
             continue
         rows = [row for v in group.vertices for row in handles.get(v, [])]
         left = Counter({v: essential[v] for v in group.vertices if v in essential})
@@ -216,7 +250,7 @@ def check_handles(c, resolved):
 def check_blocks(c):
     """Handles share a block iff the material between two levels connects them; unseen voids too."""
     groups = reference.group_by_levels(c.solid, [c.cut[level] for level in c.kept])
-    of_vertex = {v: k for k, group in enumerate(groups) for v in group.vertices if not group.vertices & c.parted}
+    of_vertex = {v: k for k, group in enumerate(groups) for v in group.vertices if not c.is_parted(group)}
     pairs = {(of_vertex[row["vertex"]], row["block"]) for row in c.result.handles if row["vertex"] in of_vertex}
     assert len(pairs) == len({group for group, _ in pairs}) == len({block for _, block in pairs})
 
@@ -262,6 +296,7 @@ def check_all(solid, refine, **sections):
     check_levels(c)
     check_contours(c)
     check_regions(c)
+    check_parted(c)
     check_pieces(c)
     check_edges(c)
     essential = check_handles(c, resolved=refine == "exact")

@@ -6,7 +6,10 @@ import shapely
 import solids
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from pipeline import run_stages
 
+from batches import Rejected
+from reebslice import slicing
 from reebslice.critical import unfold_saddles, vertex_indices
 from reebslice.heightmesh import order_by_height
 from reebslice.levels import (
@@ -203,3 +206,10 @@ def test_the_tables_do_not_depend_on_the_order_of_the_input():
         slices, _ = slice_surface(mesh, connected_vertices(mesh), 0.1)
         tables.append(contours_table(mesh, slices, connected_vertices(mesh)).drop(["lower_vertex", "upper_vertex"]))
     assert tables[0].equals(tables[1])
+
+
+def test_more_crossings_than_memory_are_refused_with_a_cure(monkeypatch, tmp_path):
+    monkeypatch.setattr(slicing, "MOST_CROSSINGS", 1000)
+    with pytest.raises(Rejected, match=r"levels cross the mesh edges .* \{refine: feature\}"):
+        run_stages(solids.icosphere(2), tmp_path, levels={"distance": 0.001})
+    assert not list(tmp_path.glob("contours*"))

@@ -2,8 +2,9 @@
 
 import numpy as np
 
-from batches import run_batch
+from batches import Rejected, run_batch
 from reebslice.levels import feature_scale, slice_surface
+from reebslice.slicing import TooManyCrossings
 from reebslice.tables import contours_table, levels_table, pieces_table
 from storage import write_table
 from surfaces import read_height_mesh, vertex_bodies
@@ -16,7 +17,13 @@ def main(source, target, options):
     mesh = read_height_mesh(source)
     shell, body = vertex_bodies(source, mesh)
     distance, feature_size = feature_scale(np.ptp(mesh.points[:, 2]), **options)
-    slices, refined = slice_surface(mesh, body, distance, options["refine"], feature_size)
+    try:
+        slices, refined = slice_surface(mesh, body, distance, options["refine"], feature_size)
+    except TooManyCrossings as fault:
+        raise Rejected(
+            f"{fault}, more than can be held. Take a larger distance between levels, or, if the mesh is noisy, "
+            "levels: {refine: feature}, which does not tell all of the noise apart."
+        ) from None
     write_table(target / "levels.parquet", "levels", levels_table(slices, refined))
     write_table(target / "contours.parquet", "contours", contours_table(mesh, slices, shell))
     write_table(target / "pieces.parquet", "pieces", pieces_table(mesh, slices, shell))

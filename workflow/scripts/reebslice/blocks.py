@@ -16,10 +16,15 @@ def block_regions(pieces, contours):
     return ends
 
 
+def count_regions(contours):
+    """The number of regions; none where all levels pass between the parts of a model."""
+    return int(contours["region"].to_numpy().max(initial=-1)) + 1
+
+
 def region_levels(contours):
     """The level of every region, (R,) int32."""
     region = contours["region"].to_numpy()
-    level = np.empty(region.max() + 1, np.int32)
+    level = np.empty(count_regions(contours), np.int32)
     level[region] = contours["level"].to_numpy()
     return level
 
@@ -49,7 +54,7 @@ def region_polygons(contours):
     of them becomes an empty polygon.
     """
     region, inner = contours["region"].to_numpy(), contours["inner"].to_numpy(zero_copy_only=False)
-    rings, count = contour_rings(contours), int(region.max()) + 1
+    rings, count = contour_rings(contours), count_regions(contours)
     usable = ~shapely.is_missing(rings)
     has_outer = np.zeros(count, bool)
     has_outer[region[usable & ~inner]] = True
@@ -62,7 +67,7 @@ def region_polygons(contours):
 
 
 def mend(polygons):
-    """Polygons made valid; only a surface that crosses itself has others."""
+    """Polygons made valid; others come of surfaces that cross themselves, and of contours that coincide by rounding."""
     broken = ~shapely.is_valid(polygons)
     polygons[broken] = shapely.buffer(shapely.make_valid(polygons[broken]), 0)
     return polygons

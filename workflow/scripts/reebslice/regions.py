@@ -7,8 +7,13 @@ import scipy.sparse as sparse
 from numba import njit
 from scipy.sparse.csgraph import connected_components
 
+from .exact_contours import ExactContours
 from .pairing import find, join
-from .slicing import emerging_areas, measure_contours
+from .slicing import measure_contours
+
+# Of the largest coordinate: no crossing is computed further from its place. Interpolation
+# takes a handful of operations, each of which errs by half of 2^-52.
+ROUNDING = 64 * np.finfo(float).eps
 
 
 class Regions(NamedTuple):
@@ -34,8 +39,13 @@ def find_regions(mesh, levels, contours, pieces, body):
     stay apart.
     """
     area, perimeter = measure_contours(contours)
-    inner = _inner_contours(mesh, levels, contours, pieces, area, perimeter)
-    parent, outer = _nest(contours.level, contours.start, contours.points, np.abs(area), inner, body)
+    rounding = ROUNDING * np.abs(mesh.points).max()
+    exact = ExactContours(mesh, levels, contours)
+    inner = _inner_contours(exact, pieces, area, perimeter, rounding)
+    parent, outer, unsure = _nest(
+        contours.level, contours.start, contours.points, np.abs(area), perimeter, inner, body, rounding
+    )
+    _nest_exactly(exact, np.flatnonzero(unsure), contours.level, inner, body, parent, outer)
     for hole in np.flatnonzero(inner & (outer < 0)):
         outer[hole] = _nearest_outer(hole, contours.level, pieces, np.abs(area), inner, body)
         parent[hole] = outer[hole] if parent[hole] < 0 else parent[hole]
@@ -46,35 +56,42 @@ def find_regions(mesh, levels, contours, pieces, body):
     return Regions(contours.level[outers], outers, name[head], inner, parent)
 
 
-def _inner_contours(mesh, levels, contours, pieces, area, perimeter):
+def _inner_contours(exact, pieces, area, perimeter, rounding):
     """Whether each contour is a hole: (C,) bool.
 
     Along a chain of cylinders an outer contour stays outer and a hole stays a
     hole, so the chain is decided at once, by its contour whose area is
     largest for its perimeter: rounding never turns a tiny contour around. A
-    chain inside a flat, whose contours enclose nothing, is decided by the
-    areas that the infinitesimal tilt gives them.
+    chain whose contours all enclose no more than rounding, as those inside
+    flats do, is decided by its shortest contour in exact numbers.
     """
     chain = _cylinder_chains(pieces, len(area))
-    rounding = 64 * np.finfo(float).eps * np.abs(mesh.points[[0, -1]]).max()
     certain = np.abs(area) > rounding * (perimeter + rounding)
     roundness = np.divide(area, perimeter**2, out=np.zeros_like(area), where=certain)
-    flat = np.ones(chain.max() + 1 if len(chain) else 0, bool)
-    flat[chain[certain]] = False
-    thin = np.flatnonzero(flat[chain])
-    roundness[thin] = emerging_areas(mesh, levels, contours, thin)
-    order = np.lexsort((np.abs(roundness), chain))
-    last = np.flatnonzero(np.diff(chain[order], append=-1))
-    surest = np.zeros(len(area))
-    surest[chain[order[last]]] = roundness[order[last]]
-    return surest[chain] < 0
+    order = np.lexsort((-np.diff(exact.contours.start), np.abs(roundness), chain))
+    surest = order[np.flatnonzero(np.diff(chain[order], append=-1))]
+    inner = np.zeros(len(area), bool)
+    inner[chain[surest]] = [
+        area[contour] < 0 if certain[contour] else exact.is_hole(contour) for contour in surest.tolist()
+    ]
+    return inner[chain]
+
+
+def _nest_exactly(exact, unsure, level, inner, body, parent, outer):
+    """Fill in `parent` and `outer` of the contours for which floats do not suffice."""
+    for contour in unsure.tolist():
+        first, end = np.searchsorted(level, [level[contour], level[contour] + 1])
+        around = np.array(exact.around(contour, range(first, end)), np.int64)
+        hosts = around[~inner[around] & (body[around] == body[contour])]
+        parent[contour] = around[0] if len(around) else -1
+        outer[contour] = hosts[0] if len(hosts) else -1
 
 
 def _nearest_outer(hole, level, pieces, size, inner, body):
     """The outer contour for a hole that lies in none: (-1: there is none at its level).
 
-    Only a surface that crosses itself has such holes, or rounding. Taken is an
-    outer contour that bounds the same piece, else the largest of the body.
+    Only a surface that crosses itself has such holes. Taken is an outer
+    contour that bounds the same piece, else the largest of the body.
     """
     others = np.flatnonzero((level == level[hole]) & ~inner & (body == body[hole]))
     if len(others) == 0:
@@ -95,21 +112,22 @@ def _cylinder_chains(pieces, n_contours):
 
 
 @njit(cache=True)
-def _nest(level, start, points, size, inner, body):
-    """Smallest contour around each one, and smallest outer one of its body (-1: none).
+def _nest(level, start, points, size, perimeter, inner, body, rounding):
+    """Smallest contour around each one, and smallest outer one of its body (-1: none), and which are unsure.
 
-    Contours may touch, and inside a flat even share segments, so a contour is
-    tested by a point inside it; what is around it is no smaller than itself.
+    Contours are disjoint, so a contour is tested by a point inside it, and
+    what is around it is larger. Unsure is where that point is no further than
+    rounding from the other contour, or the sizes differ by no more.
     """
     n = len(level)
     box = np.empty((n, 4))
     probe = np.empty((n, 2))
     for c in range(n):
         ring = points[start[c] : start[c + 1]]
-        box[c, 0], box[c, 1] = ring[:, 0].min(), ring[:, 1].min()
-        box[c, 2], box[c, 3] = ring[:, 0].max(), ring[:, 1].max()
+        box[c, 0], box[c, 1] = ring[:, 0].min() - rounding, ring[:, 1].min() - rounding
+        box[c, 2], box[c, 3] = ring[:, 0].max() + rounding, ring[:, 1].max() + rounding
         probe[c, 0], probe[c, 1] = _point_inside(ring)
-    parent, outer = np.full(n, -1, np.int32), np.full(n, -1, np.int32)
+    parent, outer, unsure = np.full(n, -1, np.int32), np.full(n, -1, np.int32), np.zeros(n, np.bool_)
     first = 0
     while first < n:
         end = first
@@ -119,21 +137,26 @@ def _nest(level, start, points, size, inner, body):
         for c in range(first, end):
             x, y = probe[c]
             for e in around:
-                if e == c or size[e] < size[c]:
+                slack = rounding * (perimeter[c] + perimeter[e] + rounding)
+                if e == c or size[e] < size[c] - slack:
                     continue
                 if x < box[e, 0] or x > box[e, 2] or y < box[e, 1] or y > box[e, 3]:
                     continue
                 same_body = body[e] == body[c] and not inner[e]
                 if parent[c] >= 0 and not same_body:
                     continue
-                if _encloses(points[start[e] : start[e + 1]], x, y):
+                encloses, near = _encloses(points[start[e] : start[e + 1]], x, y, rounding)
+                if near or (encloses and size[e] <= size[c] + slack):
+                    unsure[c] = True
+                    break
+                if encloses:
                     if parent[c] < 0:
                         parent[c] = e
                     if same_body:
                         outer[c] = e
                         break
         first = end
-    return parent, outer
+    return parent, outer, unsure
 
 
 @njit(cache=True)
@@ -171,18 +194,22 @@ def _point_inside(ring):
 
 
 @njit(cache=True, inline="always")
-def _encloses(ring, x, y):
+def _encloses(ring, x, y, rounding):
+    """Whether a ring runs around (x, y), and whether it passes it within `rounding`."""
     inside = False
     px, py = ring[-1]
     for i in range(len(ring)):
         qx, qy = ring[i]
-        if (py > y) != (qy > y):
-            # the lower end first, so that a shared segment is hit exactly once
-            ax, ay, bx, by = (px, py, qx, qy) if py < qy else (qx, qy, px, py)
-            if (bx - ax) * (y - ay) > (x - ax) * (by - ay):
+        if min(py, qy) <= y + rounding and max(py, qy) >= y - rounding and max(px, qx) >= x - rounding:
+            ux, uy, vx, vy = qx - px, qy - py, x - px, y - py
+            length = ux * ux + uy * uy
+            along = min(max((ux * vx + uy * vy) / length, 0.0), 1.0) if length > 0.0 else 0.0
+            if abs(along * ux - vx) <= rounding and abs(along * uy - vy) <= rounding:
+                return inside, True
+            if (py > y) != (qy > y) and (ux * vy > vx * uy) == (qy > py):
                 inside = not inside
         px, py = qx, qy
-    return inside
+    return inside, False
 
 
 def find_blocks(pieces, contours, regions, unseen_host):
@@ -224,31 +251,35 @@ def host_unseen_voids(mesh, levels, contours, pieces, body_of_vertex):
     closed = (pieces.n_below + pieces.n_above == 0) & (pieces.flux < 0)
     for piece in np.flatnonzero(closed):
         vertex = int(np.flatnonzero(pieces.of_vertex == piece)[0])
-        face, first = _first_face_along_x(mesh, vertex, body_of_vertex, pieces.of_vertex != piece)
+        face = _first_face_along_x(mesh.points, mesh.faces, vertex, body_of_vertex, pieces.of_vertex)
         if face >= 0:
             hosts[int(piece)] = _piece_of_face(mesh, levels, contours, pieces, face, int(pieces.slab[piece]) + 1)
     return hosts
 
 
-def _first_face_along_x(mesh, vertex, body, other):
-    x, y, z = mesh.points[vertex]
-    corners = mesh.points[mesh.faces]
-    low, high = corners.min(axis=1), corners.max(axis=1)
-    near = (low[:, 2] <= z) & (high[:, 2] > z) & (low[:, 1] <= y) & (high[:, 1] >= y) & (high[:, 0] >= x)
-    near &= (body[mesh.faces[:, 0]] == body[vertex]) & other[mesh.faces[:, 0]]
+@njit(cache=True)
+def _first_face_along_x(points, faces, vertex, body, piece):
+    """The first face of the vertex's body, but not of its piece, on a ray along +x from it; -1 for none."""
+    x, y, z = points[vertex]
     best, best_x = -1, np.inf
-    for face in np.flatnonzero(near):
-        ends = []
-        for p, q in zip(corners[face], np.roll(corners[face], -1, axis=0)):
+    ends = np.empty((2, 2))
+    for f in range(faces.shape[0]):
+        a, b, c = faces[f]
+        if points[a, 2] > z or max(points[b, 2], points[c, 2]) <= z or body[a] != body[vertex] or piece[a] == piece[vertex]:
+            continue
+        found = 0
+        for p, q in ((points[a], points[b]), (points[b], points[c]), (points[c], points[a])):
             if (p[2] > z) != (q[2] > z):
                 p, q = (p, q) if p[2] < q[2] else (q, p)
-                ends.append(p + (z - p[2]) / (q[2] - p[2]) * (q - p))
-        (ax, ay), (bx, by) = ends[0][:2], ends[1][:2]
+                share = (z - p[2]) / (q[2] - p[2])
+                ends[found, 0], ends[found, 1] = p[0] + share * (q[0] - p[0]), p[1] + share * (q[1] - p[1])
+                found += 1
+        (ax, ay), (bx, by) = ends
         if (ay > y) != (by > y):
             hit = ax + (y - ay) / (by - ay) * (bx - ax)
             if x < hit < best_x:
-                best, best_x = int(face), hit
-    return best, best_x
+                best, best_x = f, hit
+    return best
 
 
 def _piece_of_face(mesh, levels, contours, pieces, face, slab):

@@ -16,6 +16,15 @@ from numba import njit
 from .heightmesh import cross_at
 
 
+# Beyond these, contours and what is made of them fill more memory (some 60
+# bytes a crossing) than most machines have.
+MOST_CROSSINGS = 250_000_000
+
+
+class TooManyCrossings(ValueError):
+    """The levels cross the mesh edges more than MOST_CROSSINGS times; the text says how often."""
+
+
 class Levels(NamedTuple):
     """Horizontal cuts in ascending order, K of them.
 
@@ -63,10 +72,13 @@ def trace_contours(mesh, levels):
 
     Every contour is closed, has material on its left seen from +z, and starts
     at its first crossing in the order of half-edges, so the result does not
-    depend on the order of vertices or faces in the input.
+    depend on the order of vertices or faces in the input. Raises
+    TooManyCrossings before it takes the memory for them.
     """
     slab = vertex_slabs(mesh, levels)
     offset = _count_crossings(mesh.faces, slab)
+    if offset[-1] > MOST_CROSSINGS:
+        raise TooManyCrossings(f"{len(levels.height)} levels cross the mesh edges {offset[-1]} times")
     label, level, first = _walk_contours(mesh.faces, mesh.twins, slab, offset)
     order = np.argsort(level, kind="stable")
     rename = np.empty(len(order), np.int32)
@@ -160,85 +172,3 @@ def _measure(points, start):
             perimeter[c] += np.hypot(qx - px, qy - py)
             px, py = qx, qy
     return area, perimeter
-
-
-# A sum of areas smaller than this share of its terms is rounding.
-CANCELS = 1e-9
-
-
-def emerging_areas(mesh, levels, contours, chosen):
-    """Signs of contours that enclose nothing in their plane, (k,) float64 in [-1, 1].
-
-    Such contours lie inside flats, or at a level just above an extremum. In
-    the infinitesimally tilted plane their area is of the order of the tilt,
-    or of its square. Returned is the leading order's coefficient as a share
-    of its terms: its sign is that of the area, its size says how surely; 0
-    where both orders vanish. At an ordinary level the plane is not tilted but
-    lifted by an infinitesimal height.
-    """
-    return _emerging_areas(
-        mesh.points, mesh.faces, mesh.twins, vertex_slabs(mesh, levels), contours.offset, contours.label,
-        contours.level, levels.height, levels.tie_x, levels.tie_y, np.asarray(chosen, np.int64),
-    )  # fmt: skip
-
-
-@njit(cache=True)
-def _emerging_areas(points, faces, twins, slab, offset, label, level, height, tie_x, tie_y, chosen):
-    first = np.full(len(level), -1, np.int64)
-    for h in range(3 * faces.shape[0]):
-        for i in range(offset[h], offset[h + 1]):
-            if first[label[i]] < 0:
-                first[label[i]] = h
-    out = np.zeros(len(chosen))
-    last, now = np.zeros((3, 2)), np.zeros((3, 2))  # a crossing's place by orders of the tilt
-    for place in range(len(chosen)):
-        k, start = level[chosen[place]], first[chosen[place]]
-        total, size = np.zeros(2), np.zeros(2)
-        h, began = start, False
-        while True:
-            low, high = points[faces[h // 3, h % 3]], points[faces[h // 3, (h % 3 + 1) % 3]]
-            rates = _crossing_orders(low, high, height[k], tie_x[k], tie_y[k])
-            for axis in range(2):
-                now[0, axis] = low[axis] - points[faces[start // 3, start % 3], axis]
-                for order in range(3):
-                    step = rates[order] * (high[axis] - low[axis])
-                    now[order, axis] = now[order, axis] + step if order == 0 else step
-            if began:
-                for order in range(1, 3):
-                    for part in range(order + 1):
-                        term = last[part, 0] * now[order - part, 1] - last[part, 1] * now[order - part, 0]
-                        total[order - 1] += term
-                        size[order - 1] += abs(term)
-                if h == start:
-                    break
-            began = True
-            last[:] = now
-            h = _next_crossing(faces, twins, slab, h, k)
-        for order in range(2):
-            if abs(total[order]) > CANCELS * size[order]:
-                out[place] = total[order] / size[order]
-                break
-    return out
-
-
-@njit(cache=True, inline="always")
-def _crossing_orders(low, high, z, x, y):
-    """Where on the mesh edge the crossing lies, by orders of the tilt e: t0 + t1 e + t2 e^2.
-
-    The height is z + e x + e^2 y. Where the ends tie in z, one order cancels;
-    at an ordinary level (x is NaN) e lifts the plane instead.
-    """
-    rise = (high[2] - low[2], high[0] - low[0], high[1] - low[1])
-    if np.isnan(x):
-        t = (z - low[2]) / rise[0]
-        return t, 1.0 / rise[0], 0.0
-    part = (z - low[2], x - low[0], y - low[1])
-    for tied in range(3):
-        if rise[tied] > 0.0:
-            t0 = part[tied] / rise[tied]
-            t1 = (part[tied + 1] - t0 * rise[tied + 1]) / rise[tied] if tied < 2 else 0.0
-            t2 = (part[2] - t0 * rise[2] - t1 * rise[1]) / rise[0] if tied == 0 else 0.0
-            if tied == 1:
-                t2 = -t1 * rise[2] / rise[1]
-            return t0, t1, t2
-    return 0.5, 0.0, 0.0

@@ -59,7 +59,7 @@ class Recount(NamedTuple):
     how many the mesh has at each level. Per contour: `n_points`, `loose` (how
     many more there may be, by the way that saddles come apart), `area`
     (signed), `perimeter`, `shell`, `above`, `below` (the piece on either side).
-    Per piece: `slab` (-1 is below all levels), `piece_shell`, `euler`
+    `side`, a mesh edge that it crosses. Per piece: `slab` (-1 is below all levels), `piece_shell`, `euler`
     (V - E + F), `piece_area`, `flux`. Per vertex: `piece_of_vertex`. Per mesh
     edge: `enters`, `leaves`, the contours at its highest and lowest crossing.
     """
@@ -73,6 +73,7 @@ class Recount(NamedTuple):
     shell: np.ndarray
     above: np.ndarray
     below: np.ndarray
+    side: np.ndarray
     slab: np.ndarray
     piece_shell: np.ndarray
     euler: np.ndarray
@@ -187,7 +188,7 @@ def recount(surface, sides, levels, anchors, doubled):
         _count_pieces(surface, sides, place, levels, anchors, contours.side, pieces, first, last)
     return Recount(
         contours.n, contours.anchored, contours.n_points, contours.loose, contours.area, contours.perimeter, contours.shell,
-        pieces.above, pieces.below, *(np.concatenate(part) for part in pieces.columns()),
+        pieces.above, pieces.below, contours.side, *(np.concatenate(part) for part in pieces.columns()),
         pieces.of_vertex, contours.enters, contours.leaves,
     )  # fmt: skip
 

@@ -5,18 +5,24 @@ ones, and a level may run between two of them. The mesh itself does not say
 how the saddle comes apart: any wedge of its link may be split off first, and
 each choice is the same surface under another infinitesimal deformation. So
 the certifier accepts whatever unfolding the contours of the table show, if
-there is one: it reads off the table which strands around the saddle belong to
-one contour, looks for wedges that join them so, splits the saddle likewise in
-a copy of the mesh and then recounts everything on that copy.
+there is one under which the surface does not cross itself: it reads off the
+table which strands around the saddle belong to one contour, looks for wedges
+that join them so, splits the saddle likewise in a copy of the mesh and then
+recounts everything on that copy.
 """
 
+from fractions import Fraction
+from functools import cmp_to_key
 from itertools import combinations
+from typing import NamedTuple
 
 import numpy as np
-from scipy.sparse import coo_array
-from scipy.sparse.csgraph import connected_components
+import shapely
+from scipy.sparse import coo_array, csr_array
+from scipy.sparse.csgraph import connected_components, maximum_bipartite_matching
 
 from .recount import _sort_corners, copies, cross, oriented_faces
+from .recount_exact import smallest_tilt
 
 TRIES = 500
 
@@ -40,10 +46,12 @@ def plain_below(surface, below):
     return np.searchsorted(np.cumsum(copies(surface)), below, side="right")
 
 
-def unfold(surface, sides, below, rings_at):
+def unfold(surface, sides, below, rings_at, noise):
     """Split every vertex between whose copies a level runs.
 
-    rings_at : function of a level, its contours as (points (k, 2), ring (k,)).
+    rings_at : function of a level, its contours as (closed curves (k,), list
+        of k anchors), an anchor being the ranks of a mesh edge's ends
+    noise : how far a curve may be from its contour
     Returns the new :class:`Ranked` surface, the levels' counts of its vertices
     below, and the vertices for which no unfolding fits the table.
     """
@@ -57,7 +65,7 @@ def unfold(surface, sides, below, rings_at):
         link = _cycle([_rotated(faces[f], vertex) for f in stars[vertex]])
         old_link = [origin[w] for w in link]  # neighbours may have come apart before
         wedges = _upper_wedges(old_link, vertex)
-        order = _fit(surface, sides, vertex, old_link, wedges, cuts, rings_at)
+        order = _fit(surface, sides, vertex, old_link, wedges, cuts, rings_at, noise)
         if order is None:
             odd.append(vertex)
             order = list(range(len(wedges)))
@@ -109,16 +117,18 @@ def _upper_wedges(link, vertex):
     return wedges
 
 
-def _fit(surface, sides, vertex, link, wedges, cuts, rings_at):
+def _fit(surface, sides, vertex, link, wedges, cuts, rings_at, noise):
     """The order in which to split off wedges so that all cuts look as in the table."""
     chosen = []
+    turns, strands = _order_directions(surface, vertex, link, wedges), _strands(surface, sides, vertex, link, wedges)
     for level, n_below in sorted(cuts, key=lambda cut: cut[1]):
-        wanted = _strands(surface, sides, vertex, link, wedges, rings_at(level))
+        rings = rings_at(level)
         rest = [w for w in range(len(wedges)) if w not in chosen]
         for tried, extra in enumerate(combinations(rest, n_below - len(chosen))):
             if tried > TRIES:
                 return None
-            if wanted is not None and _joined_as(wanted, _matching(len(wedges), chosen + list(extra))):
+            matching = _matching(len(wedges), chosen + list(extra))
+            if not _crosses(matching, turns) and _joined_as(strands, matching, rings, noise):
                 chosen += extra
                 break
         else:
@@ -139,23 +149,85 @@ def _matching(n_wedges, split_off):
     ]
 
 
-def _joined_as(wanted, matching):
-    """Whether strands outside the vertex and a matching inside give the wanted contours."""
-    partner, ring = wanted
-    links = np.array(list(partner.items()) + matching)
-    n = len(ring)
+def _gates(link, wedges):
+    """The link's edges, (from, to), over which the zero directions lie, two to a wedge."""
+    for first, last in wedges:
+        yield link[first - 1], link[first]
+        yield link[(last + 1) % len(link)], link[last]
+
+
+def _order_directions(surface, vertex, link, wedges):
+    """Place of each zero direction among all, counter-clockwise, in rational numbers."""
+    tilt = smallest_tilt(surface.points)
+
+    def arm(other):
+        ends = surface.points[other].tolist(), surface.points[vertex].tolist()
+        x, y, z = (Fraction(p) - Fraction(q) for p, q in zip(*ends))
+        return x, y, z + tilt * (x + tilt * y)
+
+    directions = []
+    for low, high in _gates(link, wedges):
+        (px, py, ph), (qx, qy, qh) = arm(low), arm(high)
+        directions.append((px * qh - qx * ph, py * qh - qy * ph))  # times qh - ph > 0
+
+    def compare(p, q):
+        halves = [y < 0 or (y == 0 and x < 0) for x, y in (p, q)]
+        return halves[0] - halves[1] if halves[0] != halves[1] else p[1] * q[0] - p[0] * q[1]
+
+    around = sorted(range(len(directions)), key=cmp_to_key(lambda i, j: compare(directions[i], directions[j])))
+    return np.argsort(around)
+
+
+def _crosses(matching, turns):
+    """Whether two of the strands through the vertex cross there: then the surface would."""
+    chords = [sorted((turns[i], turns[j])) for i, j in matching]
+    return any(a < c < b < d for a, b in chords for c, d in chords)
+
+
+def _joined_as(strands, matching, rings, noise):
+    """Whether strands outside the vertex and a matching inside give contours of the table.
+
+    Each group of strands that hang together has to be a ring of its own: one
+    as long, that passes all points of the strands, and whose anchor lies on
+    no strand of another group.
+    """
+    curves, anchors = rings
+    links = np.array([strand.ends for strand in strands] + matching)
+    n = 2 * len(strands)
     _, part = connected_components(coo_array((np.ones(len(links)), links.T), shape=(n, n)), directed=False)
-    return len(set(zip(part.tolist(), ring))) == len(set(part.tolist())) == len(set(ring))
+    groups = {}
+    for strand in strands:
+        groups.setdefault(int(part[strand.ends[0]]), []).append(strand)
+    fits = np.zeros((len(groups), len(curves)), bool)
+    for row, group in enumerate(groups.values()):
+        length, spots = sum(strand.length for strand in group), np.concatenate([strand.spots for strand in group])
+        foreign = set().union(*(strand.sides for strand in strands if strand not in group))
+        own = set().union(*(strand.sides for strand in group))
+        for ring in np.flatnonzero(np.abs(shapely.length(curves) - length) <= noise * (len(spots) + 2)).tolist():
+            near = shapely.dwithin(curves[ring], shapely.points(spots), noise).all()
+            fits[row, ring] = near and anchors[ring] not in foreign
+        if own & set(anchors):  # a ring that is anchored on a strand of this group is its ring
+            fits[row] &= np.array([anchor in own for anchor in anchors])
+    return bool((maximum_bipartite_matching(csr_array(fits), perm_type="column") >= 0).all())
 
 
-def _strands(surface, sides, vertex, link, wedges, rings):
-    """Follow the level set away from the vertex: (partner of each direction, its ring)."""
-    points, ring = rings
-    if len(points) == 0:
-        return None
+class Strand(NamedTuple):
+    """A part of a level set from the vertex to the vertex.
+
+    ends : its two zero directions; spots : (k, 2) its crossings; length :
+    float; sides : set of the mesh edges it crosses, (lower, upper)
+    """
+
+    ends: tuple
+    spots: np.ndarray
+    length: float
+    sides: frozenset
+
+
+def _strands(surface, sides, vertex, link, wedges):
+    """The level set through the vertex, followed away from it: list of :class:`Strand`."""
     # The level runs through the vertex: what does not touch it decides by rank.
-    low, high = sides.lower < vertex, sides.upper > vertex
-    crossed = np.flatnonzero(low & high)
+    crossed = np.flatnonzero((sides.lower < vertex) & (sides.upper > vertex))
     a, b, c = surface.corners.T
     face = np.flatnonzero((a < vertex) & (c > vertex) & (b != vertex))
     number = np.full(len(sides.lower), -1)
@@ -165,24 +237,20 @@ def _strands(surface, sides, vertex, link, wedges, rings):
     _, part = connected_components(
         coo_array((np.ones(len(face)), (long, short)), shape=(len(crossed),) * 2), directed=False
     )
-    keys = sides.lower[crossed] * len(surface.points) + sides.upper[crossed]
-    by_part, found, size = {}, [], len(link)
-    for first, last in wedges:
-        for p, q in ((link[first - 1], link[first]), (link[(last + 1) % size], link[last])):
-            place = int(np.searchsorted(keys, min(p, q) * len(surface.points) + max(p, q)))
-            by_part.setdefault(int(part[place]), []).append(len(found))
-            found.append(place)
-    if any(len(pair) != 2 for pair in by_part.values()):
-        return None
-    z, x, y = surface.points[vertex, 2], *surface.points[vertex, :2]
-    spots = cross(surface, sides.lower[crossed], sides.upper[crossed], z, x, y)
-    ring_of = {}
-    for strand, pair in by_part.items():
-        spot = spots[np.flatnonzero(part == strand)]
-        spot = spot[np.argmax(np.hypot(*(spot - (x, y)).T))]
-        near = int(ring[np.argmin(np.hypot(*(points - spot).T))])
-        ring_of |= {direction: near for direction in pair}
-    return {pair[0]: pair[1] for pair in by_part.values()}, [ring_of[d] for d in range(2 * len(wedges))]
+    centre = surface.points[vertex, :2]
+    spots = cross(surface, sides.lower[crossed], sides.upper[crossed], surface.points[vertex, 2], *centre)
+    steps = np.hypot(*(spots[long] - spots[short]).T)
+    names = list(zip(sides.lower[crossed].tolist(), sides.upper[crossed].tolist()))
+    place_of, ends = {pair: place for place, pair in enumerate(names)}, {}
+    for direction, gate in enumerate(_gates(link, wedges)):
+        place = place_of[min(gate), max(gate)]
+        ends.setdefault(int(part[place]), []).append((direction, np.hypot(*(spots[place] - centre))))
+    strands = []
+    for name, ((one, first), (two, last)) in ends.items():
+        here = np.flatnonzero(part == name)
+        length = first + last + steps[part[long] == name].sum()
+        strands.append(Strand((one, two), spots[here], length, frozenset(names[i] for i in here)))
+    return strands
 
 
 def _split(faces, shell, origin, turn, vertex, star, link, wedges):

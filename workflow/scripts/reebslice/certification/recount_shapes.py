@@ -1,20 +1,19 @@
 """Geometry held against the tables: curves, regions, similarities, sides.
 
-Only what no rank can decide is done here with coordinates, and where rounding
-leaves a question open the answer is "open", never a guess.
+Only what no rank can decide is done here with coordinates. What rounding leaves
+open is decided in rational numbers, or the answer is "open", never a guess.
 """
+
+from typing import NamedTuple
 
 import numpy as np
 import shapely
 
 from .recount import sign_changes
 
-# Openings smaller than this (radians) leave the order of directions open.
-ANGLE = 1e-9
+ANGLE = 1e-9  # openings smaller than this (radians) leave the order of directions open
 # Tilts tried around a vertex where heights tie, rise per length.
 TILTS = (0.0, 1e-9, 1e-6, 1e-3)
-# Of a hole, the share that must lie in a region to be inside without doubt.
-INSIDE = 0.99
 
 
 def read_curves(wkb):
@@ -72,59 +71,100 @@ def compare_polygons(lower, upper):
     }
 
 
-def find_hosts(curves, area, level, inner, body):
-    """The outer contours that each hole may lie in: (host, open), (C,) int and bool.
+class Nest(NamedTuple):
+    """The contours and what is known of them: (C,) closed curves, signed area, its error, level.
 
-    The host is the smallest outer contour of the same level and body that
-    holds most of the hole; -1 for outer contours, and for holes of a level
-    and body without any outer one. A host without rival needs no geometry:
-    material is bounded. `open` marks holes that rounding, or a surface that
-    crosses itself, leaves between two regions.
+    noise : how far a curve may be from its contour; exact : what tells of the
+    contours in exact numbers, :class:`recount_exact.ExactLevels`
     """
-    host, is_open = np.full(len(curves), -1), np.zeros(len(curves), bool)
+
+    curves: np.ndarray
+    area: np.ndarray
+    slack: np.ndarray
+    level: np.ndarray
+    noise: float
+    exact: object
+
+
+def find_hosts(nest, inner, body):
+    """The outer contours that each hole lies in: (host, open), (C,) int and bool.
+
+    The host is the smallest outer contour of the same level and body around
+    the hole; -1 for outer contours, and for holes of a level and body without
+    any outer one. A host without rival needs no geometry: material is bounded.
+    `open` marks holes that a surface that crosses itself leaves between two
+    regions; theirs is the one that holds most of them.
+    """
+    host, is_open = np.full(len(inner), -1), np.zeros(len(inner), bool)
     groups = {}
-    for contour, key in enumerate(zip(level.tolist(), body.tolist())):
+    for contour, key in enumerate(zip(nest.level.tolist(), body.tolist())):
         groups.setdefault(key, ([], []))[int(inner[contour])].append(contour)
     for outers, holes in groups.values():
         if len(outers) == 1:
             host[holes] = outers[0]
         elif outers and holes:
-            outers = np.array(outers)[np.argsort(np.abs(area[outers]), kind="stable")]
-            rings = _as_polygons(curves[outers])
+            finder = _Finder(nest, np.array(outers))
             for hole in holes:
-                fits = np.abs(area[outers]) >= INSIDE * abs(area[hole])  # an island in the hole cannot hold it
-                host[hole], is_open[hole] = _host_of(curves[hole], outers, rings, fits)
+                host[hole], is_open[hole] = finder.innermost(hole)
+                if host[hole] < 0:
+                    host[hole], is_open[hole] = finder.most(hole), True
     return host, is_open
 
 
-def find_parents(curves, area, level, inner):
+def find_parents(nest):
     """The smallest contour around each one, (C,) int or -1, and where that is unsure (C,) bool."""
-    parent, unsure = np.full(len(curves), -1), np.zeros(len(curves), bool)
-    order = np.argsort(level, kind="stable")
-    runs = np.split(order, np.flatnonzero(np.diff(level[order])) + 1)
-    for run in runs:
-        run = run[np.argsort(np.abs(area[run]), kind="stable")]
-        rings = _as_polygons(curves[run]) if len(run) > 1 else ()
-        boxes = shapely.bounds(curves[run])
-        for k in range(len(run) - 1):
-            parent[run[k]], unsure[run[k]] = _parent_of(curves[run[k]], k, run, rings, boxes)
+    parent, unsure = np.full(len(nest.area), -1), np.zeros(len(nest.area), bool)
+    order = np.argsort(nest.level, kind="stable")
+    for run in np.split(order, np.flatnonzero(np.diff(nest.level[order])) + 1):
+        if len(run) > 1:
+            finder = _Finder(nest, run)
+            for contour in run.tolist():
+                parent[contour], unsure[contour] = finder.innermost(contour)
     return parent, unsure
 
 
-def _parent_of(curve, k, run, rings, boxes):
-    points = shapely.get_coordinates(curve)
-    points = (points[:-1] + points[1:]) / 2
-    points = points[:: max(1, len(points) // 64)]
-    box = boxes[k]
-    reach = (boxes[:, 0] <= box[0]) & (boxes[:, 2] >= box[2]) & (boxes[:, 1] <= box[1]) & (boxes[:, 3] >= box[3])
-    meets = (boxes[:, 0] <= box[2]) & (boxes[:, 2] >= box[0]) & (boxes[:, 1] <= box[3]) & (boxes[:, 3] >= box[1])
-    for place in np.flatnonzero(meets[k + 1 :]) + k + 1:
-        share = shapely.contains_xy(rings[place], points).mean()
-        if share == 1 and reach[place]:
-            return int(run[place]), False
-        if share > 0 or shapely.distance(curve, rings[place].exterior) == 0:
-            return int(run[place]), True
-    return -1, False
+class _Finder:
+    """Finds, among some contours of one level, the one right around another."""
+
+    def __init__(self, nest, members):
+        self.nest, self.members = nest, members[np.argsort(np.abs(nest.area[members]), kind="stable")]
+        self.rings = _as_polygons(nest.curves[self.members])
+        self.boxes = shapely.bounds(nest.curves[self.members])
+        shapely.prepare(nest.curves[self.members])
+
+    def innermost(self, contour):
+        """(the smallest contour around `contour` or -1, whether some contour crosses it)."""
+        nest, members = self.nest, self.members
+        box, room = shapely.bounds(nest.curves[contour]), nest.noise
+        near = (self.boxes[:, :2] <= box[:2] + room).all(axis=1) & (self.boxes[:, 2:] >= box[2:] - room).all(axis=1)
+        meets = (self.boxes[:, :2] <= box[2:]).all(axis=1) & (self.boxes[:, 2:] >= box[:2]).all(axis=1)
+        large = np.abs(nest.area[members]) >= abs(nest.area[contour]) - nest.slack[members] - nest.slack[contour]
+        best, crosses = -1, False
+        for place in np.flatnonzero((near | meets) & large & (members != contour)).tolist():
+            other = int(members[place])
+            if best >= 0 and abs(nest.area[other]) > abs(nest.area[best]) + nest.slack[other] + nest.slack[best]:
+                break
+            share = self._share(contour, place)
+            crosses |= 0 < share < 1
+            if share == 1 and (best < 0 or nest.exact.winds_around(best, other)):
+                best = other
+        return best, crosses
+
+    def _share(self, contour, place):
+        """Share of a contour inside a ring: of its points further from that than rounding, or in exact numbers."""
+        nest, other = self.nest, int(self.members[place])
+        points = shapely.get_coordinates(nest.curves[contour])
+        points = (points[:-1] + points[1:]) / 2
+        points = points[:: max(1, len(points) // 64)]
+        points = points[~shapely.dwithin(nest.curves[other], shapely.points(points), 2 * nest.noise)]
+        if len(points) == 0:
+            return float(nest.exact.winds_around(other, contour))
+        return float(shapely.contains_xy(self.rings[place], points).mean())
+
+    def most(self, hole):
+        """The member that holds most of a hole that crosses them."""
+        shares = [_area_share(self.nest.curves[hole], ring) for ring in self.rings]
+        return int(self.members[np.argmax(shares)])
 
 
 def _as_polygons(curves):
@@ -134,31 +174,6 @@ def _as_polygons(curves):
     out[big] = shapely.polygons(shapely.linearrings(points, indices=index))
     shapely.prepare(out)
     return out
-
-
-def _host_of(hole, outers, rings, fits):
-    """(host, open) of one hole among outer contours in ascending order of area."""
-    box, boxes = shapely.bounds(hole), shapely.bounds(rings)
-    meets = (boxes[:, 0] <= box[2]) & (boxes[:, 2] >= box[0]) & (boxes[:, 1] <= box[3]) & (boxes[:, 3] >= box[1])
-    meets &= fits
-    points = shapely.get_coordinates(hole)
-    points = (points[:-1] + points[1:]) / 2
-    points = points[:: max(1, len(points) // 64)]
-    core = shapely.point_on_surface(shapely.Polygon(hole) if shapely.get_num_points(hole) >= 4 else hole)
-    is_open = False
-    for place in np.flatnonzero(meets).tolist():
-        share = shapely.contains_xy(rings[place], points).mean()
-        # segments that two contours share, as cuts inside a flat have, tell nothing
-        if 0 < share < 1 or (share == 0 and shapely.contains(rings[place], core)):
-            share = _area_share(hole, rings[place])
-        if share >= INSIDE:
-            return int(outers[place]), is_open
-        if share > 1 - INSIDE:
-            is_open = True
-    # no region holds it: the one that holds most of it, and the question is open
-    shares = np.zeros(len(rings))
-    shares[meets] = [_area_share(hole, ring) for ring in rings[meets]]
-    return int(outers[np.argmax(shares)]), True
 
 
 def _area_share(hole, ring):
@@ -260,23 +275,6 @@ def _zero_directions(arms, rise):
     share = (rise[change - 1] / (rise[change - 1] - rise[change]))[:, None]
     x, y = (p + share * (q - p)).T
     return np.arctan2(y, x)
-
-
-def count_enclosing(points, faces, shell, target, others):
-    """How many times a ray along +x from a vertex of shell `target` meets each other shell.
-
-    Returns {other: crossings}; odd means inside.
-    """
-    inside = {}
-    corners = points[faces]
-    own = corners[shell == target].reshape(-1, 3)
-    start = own[np.argmax(own[:, 0])]
-    span = np.ptp(own, axis=0)
-    # off the vertex by a little, so that the ray meets no mesh edge
-    y, z = start[1] + 1e-7 * 0.618 * span[1], start[2] - 1e-7 * 0.414 * span[2]
-    for other in others:
-        inside[other] = len(_hits(corners[shell == other], start[0], y, z))
-    return inside
 
 
 def first_face_along_x(corners, x, y, z):

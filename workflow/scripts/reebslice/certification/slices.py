@@ -9,6 +9,7 @@ import shapely
 
 from .recount import copies, count_below, cross, find_sides, recount, sign_changes
 from .recount_elders import essential_points
+from .recount_exact import ExactLevels
 from .recount_folds import unfold
 from .recount_shapes import measure_curves, read_curves
 
@@ -31,7 +32,17 @@ def check_levels(case, ledger):
     ledger.rows("levels.n_contours", t["n_contours"] == counted, "rows of contours")
     regions = np.bincount(case.columns.nodes["level"], minlength=len(height))
     ledger.rows("levels.n_regions", t["n_regions"] == regions, "rows of nodes")
+    _check_uniform(case, ledger, height, np.isnan(tie_x))
     case.levels = {"height": height, "below": below, "tie_x": tie_x, "tie_y": tie_y}
+
+
+def _check_uniform(case, ledger, height, plain):
+    """The levels that are called uniform, and no others, are equispaced over the heights of the surface."""
+    uniform, z = np.flatnonzero(case.columns.levels["why"] == "uniform"), case.surface.points[:, 2]
+    n = len(uniform)
+    places = z[0] + (z[-1] - z[0]) * (np.arange(n) + 0.5) / max(n, 1)
+    holds = plain[uniform] & (np.abs(height[uniform] - places) <= case.noise)
+    ledger.rows("levels.why", holds if n else [False], "equispaced, half a step inside both ends")
 
 
 def check_contours(case, ledger):
@@ -42,13 +53,15 @@ def check_contours(case, ledger):
     ledger.rows("contours.geometry", drawn, "a closed line string in the plane")
     if not drawn.all():
         return
-    points, curve = shapely.get_coordinates(case.curves, return_index=True)
+    rank = np.empty(len(case.surface.origin), np.int64)
+    rank[case.surface.origin] = np.arange(len(rank))
+    ends = np.stack([rank[t["lower_vertex"]], rank[t["upper_vertex"]]], axis=1)
 
-    def curves_at(level):
-        here = (t["level"] == level)[curve]
-        return points[here], curve[here]
+    def rings_at(level):
+        here = np.flatnonzero(t["level"] == level)
+        return case.curves[here], [tuple(pair) for pair in ends[here].tolist()]
 
-    split, below, odd = unfold(case.surface, case.sides, case.levels["below"], curves_at)
+    split, below, odd = unfold(case.surface, case.sides, case.levels["below"], rings_at, case.noise)
     ledger.enter("saddles_that_no_unfolding_fits", len(odd), 0)
     case.split, case.split_sides = split, find_sides(split)
     anchors = {"level": t["level"].astype(np.int64)}
@@ -58,6 +71,7 @@ def check_contours(case, ledger):
     case.recount = found = recount(
         split, case.split_sides, case.levels | {"below": below}, anchors, doubled[split.origin]
     )
+    case.exact = ExactLevels(split, case.split_sides, below, t["level"], found.side)
     ledger.rows("contours.anchors", found.anchored, "one contour of the mesh per row")
     counted = np.bincount(t["level"], minlength=len(below))
     ledger.rows("contours_per_level", found.n_contours == counted, "components of crossings")

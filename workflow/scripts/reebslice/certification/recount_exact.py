@@ -1,0 +1,103 @@
+"""Which contour runs around which, in rational numbers, where floats cannot tell.
+
+A level is taken as a plane that is really tilted, by so little that every
+vertex stays on its side. Contours are followed from face to face, and a point
+is inside one if that winds around it.
+"""
+
+from fractions import Fraction
+
+import numpy as np
+
+
+class ExactLevels:
+    """Contours of an unfolded `surface` with its `sides`.
+
+    below : (K,) ranks; level : (C,) of each contour; side : (C,) a mesh edge
+    that it crosses
+    """
+
+    def __init__(self, surface, sides, below, level, side):
+        self.surface, self.sides, self.below, self.level, self.side = surface, sides, below, level, side
+        self.known, self.tilt = {}, None
+
+    def ring(self, contour):
+        """Corners of a contour as fractions, in order."""
+        if contour not in self.known:
+            self.tilt = self.tilt or smallest_tilt(self.surface.points)
+            cut = int(self.below[self.level[contour]])
+            self.known[contour] = self._locate(self._follow(int(self.side[contour]), cut), cut)
+        return self.known[contour]
+
+    def area(self, contour):
+        """Signed area of a contour."""
+        ring = self.ring(contour)
+        return sum(p[0] * q[1] - q[0] * p[1] for p, q in zip(ring, ring[1:] + ring[:1])) / 2
+
+    def winds_around(self, contour, inside):
+        """Whether `contour` winds around most of three points of another contour, `inside`."""
+        ring, other = self.ring(contour), self.ring(inside)
+        votes = [_winding(ring, _middle(other, k * len(other) // 3)) != 0 for k in range(3)]
+        return sum(votes) > 1
+
+    def _follow(self, start, cut):
+        """Mesh edges that the contour through mesh edge `start` crosses in turn, material on the left.
+
+        That is, from the longest side of a face inward where the face is even.
+        """
+        sides, found, side = self.sides, [], start
+        one, two = sides.faces[start].tolist()
+        face = one if (sides.of_face[one, 2] == start) == self.surface.even[one] else two
+        while not found or side != start:
+            found.append(side)
+            ab, bc, ac = (int(s) for s in sides.of_face[face])
+            across = ab if self.surface.corners[face, 1] >= cut else bc
+            side = across if side == ac else ac
+            one, two = sides.faces[side].tolist()
+            face = two if face == one else one
+        return found
+
+    def _locate(self, crossed, cut):
+        spots, tilt = [], self.tilt
+        known = {}
+
+        def vertex(v):
+            if v not in known:
+                x, y, z = (Fraction(float(c)) for c in self.surface.points[v])
+                known[v] = x, y, z + tilt * (x + tilt * y)
+            return known[v]
+
+        plane = (vertex(cut - 1)[2] + vertex(cut)[2]) / 2
+        for p, q in zip(self.sides.lower[crossed].tolist(), self.sides.upper[crossed].tolist()):
+            (px, py, ph), (qx, qy, qh) = vertex(p), vertex(q)
+            up, down = (plane - ph, qh - plane) if ph != qh else (1, 1)
+            spots.append(((px * down + qx * up) / (up + down), (py * down + qy * up) / (up + down)))
+        return spots
+
+
+def smallest_tilt(points):
+    """Steps of height outweigh the tilt along x, and steps of x that along y, twice over."""
+    dx, dz = (np.diff(np.unique(points[:, axis])).min() for axis in (0, 2))
+    x, y = np.abs(points[:, :2]).max(axis=0)
+    return Fraction(1, 2 ** max(3, int(np.ceil(3 + np.log2(max((x + y) / dz, y / dx))))))
+
+
+def _middle(ring, start):
+    """The middle of the first segment from corner `start` on that has a length."""
+    for k in range(start, start + len(ring)):
+        (px, py), (qx, qy) = ring[k % len(ring)], ring[(k + 1) % len(ring)]
+        if (px, py) != (qx, qy):
+            break
+    return (px + qx) / 2, (py + qy) / 2
+
+
+def _winding(ring, spot):
+    """How often a closed polygon winds around a point off it: signed crossings of the ray upward."""
+    x, y = spot
+    turns = 0
+    for (px, py), (qx, qy) in zip(ring, ring[1:] + ring[:1]):
+        if (px <= x) != (qx <= x):
+            above = (py - y) * (qx - px) + (qy - py) * (x - px)  # times (qx - px), the height over the point
+            if (above > 0) == (qx > px):
+                turns += 1 if qx < px else -1
+    return turns
