@@ -273,13 +273,16 @@ def test_pinched_vertex_is_split():
     assert "add split to" in reason and "(1, 1, 1)" in reason
 
 
-def test_parts_that_touch_along_an_edge_need_numbers_of_their_own():
+def test_parts_that_touch_along_an_edge_come_apart():
     touching = join(box((0, 0, 0), (1, 1, 1)), box((1, 1, 0), (2, 2, 1)))
     tables, found = inspected(touching)
     assert found["components"] == 2 and "as the file numbers" in found["repairs"][0]
-    found = inspect_surface(*soup(*touching))[1]
-    assert "1 mesh edges have three or more faces" in found["reason"]
-    assert "(1, 1, 0) to (1, 1, 1)" in found["reason"] and found["manifold"] is False
+    again, found = inspected(soup(*touching))
+    assert same(again, tables) and found["manifold"]
+    assert "took apart 1 mesh edges" in found["repairs"][0] and "(1, 1, 0) to (1, 1, 1)" in found["repairs"][0]
+    fin = soup(*join(touching, (np.array([[1, 1, 0], [1, 1, 1], [3, 0, 0.0]]), np.array([[0, 1, 2]]))))
+    found = inspect_surface(*fin)[1]
+    assert "1 mesh edges have three or more faces" in found["reason"] and found["manifold"] is False
 
 
 def test_shuffled_winding_is_made_consistent():

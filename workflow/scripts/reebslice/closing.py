@@ -3,12 +3,13 @@
 from typing import NamedTuple
 
 import numpy as np
+from numba import njit
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 from scipy.spatial import cKDTree
 
-from . import gluing
-from .faults import find_used
+from . import gluing, touching
+from .faults import find_used, tell_place
 
 
 class Gluing(NamedTuple):
@@ -30,6 +31,10 @@ class Closing(NamedTuple):
     collapsed: int  # faces dropped by the merge with that tolerance
     moved: int  # corners moved by it
     own_numbering: bool  # touching parts are told apart by the file's vertex numbers
+    flaps: int = 0  # pairs of coinciding faces dropped because they enclose nothing
+    apart: int = 0  # mesh edges taken apart, around which parts touch
+    loose: int = 0  # of those, where faces coincide only within the tolerance
+    entangled: str = ""  # why mesh edges with more than two faces could not be taken apart
 
 
 def merge_exactly(points, faces):
@@ -40,12 +45,39 @@ def merge_exactly(points, faces):
     """
     used = find_used(len(points), faces)
     points = points[used] + 0.0  # -0.0 + 0.0 is 0.0
-    order = np.lexsort(points.T[::-1])
-    ordered = points[order]
-    new = np.concatenate([[True], np.any(ordered[1:] != ordered[:-1], axis=1)])
+    first, name = _find_equal(points.view(np.uint64))
+    order = np.lexsort(points[first].T[::-1])
+    rank = np.empty(len(order), np.int64)
+    rank[order] = np.arange(len(order))
     place = np.empty(used[-1] + 1, np.int64)
-    place[used[order]] = np.cumsum(new) - 1
-    return ordered[new], place[faces]
+    place[used] = rank[name]
+    return points[first[order]], place[faces]
+
+
+@njit(cache=True)
+def _find_equal(bits):
+    """The first row of each value, and for every row (n, 3) the number of its value, by a hash table."""
+    n, size = len(bits), 16
+    while size < 2 * n:
+        size *= 2
+    table = np.full(size, np.int32(-1))
+    first, name, count = np.empty(n, np.int32), np.empty(n, np.int32), 0
+    for i in range(n):
+        a, b, c = bits[i]
+        h = a * np.uint64(0x9E3779B97F4A7C15) ^ b * np.uint64(0xC2B2AE3D27D4EB4F) ^ c * np.uint64(0x165667B19E3779F9)
+        h = (h ^ (h >> np.uint64(29))) * np.uint64(0xBF58476D1CE4E5B9)
+        slot = (h ^ (h >> np.uint64(32))) & np.uint64(size - 1)
+        while table[slot] >= 0:
+            j = first[table[slot]]
+            if bits[j, 0] == a and bits[j, 1] == b and bits[j, 2] == c:
+                break
+            slot = (slot + np.uint64(1)) & np.uint64(size - 1)
+        if table[slot] < 0:
+            table[slot] = count
+            first[count] = i
+            count += 1
+        name[i] = table[slot]
+    return first[:count].copy(), name
 
 
 def close_surface(points, faces, numbering, largest):
@@ -56,8 +88,9 @@ def close_surface(points, faces, numbering, largest):
 
     In this order, until every mesh edge has exactly two faces: equal corners
     merged; the file's own numbering, which may keep apart parts that touch;
-    duplicate faces dropped; corners on open mesh edges merged within a
-    tolerance that grows from 1e-12 of the largest extent by powers of ten.
+    the steps of `untie`; corners on open mesh edges merged within a
+    tolerance that grows from 1e-12 of the largest extent by powers of ten,
+    and the steps of `untie` again.
     Returns a `Closing`; its gluing is as found if nothing closes it.
     """
     distinct = find_distinct(faces)
@@ -68,18 +101,49 @@ def close_surface(points, faces, numbering, largest):
     own = glue(faces[distinct], len(points), numbering[distinct])
     if is_closed(own):
         return best._replace(glued=own, own_numbering=True)
-    kept = drop_duplicates(exact.faces)
-    start = best._replace(duplicates=len(exact.faces) - len(kept))
-    if start.duplicates:
-        start = start._replace(glued=glue(kept, len(points)))
-        if is_closed(start.glued):
-            return start
-    return _close_within_tolerance(points, start, largest) or best
+    untied = untie(points, best, largest * np.ptp(points, axis=0).max())
+    if is_closed(untied.glued):
+        return untied
+    return _close_within_tolerance(points, best, largest) or best._replace(entangled=untied.entangled)
+
+
+def untie(points, found, slack):
+    """Look for what rids a surface of mesh edges with more than two faces; returns the new `Closing`.
+
+    It is the first of these that leaves two faces to every mesh edge: duplicate
+    faces dropped; flaps dropped; parts that touch along mesh edges taken apart,
+    where faces coincide that lie within `slack`, in mesh units.
+    """
+    faces, n = found.glued.faces, len(points)
+    kept = drop_duplicates(faces)
+    if len(kept) < len(faces) and is_closed(single := glue(kept, n)):
+        return found._replace(glued=single, duplicates=found.duplicates + len(faces) - len(kept))
+    if np.any(np.diff(found.glued.starts) % 2):
+        return found
+    kept = drop_flaps(found.glued, n)
+    found = found._replace(glued=glue(kept, n), flaps=(len(faces) - len(kept)) // 2)
+    if not len(kept) or is_closed(found.glued):
+        return found
+    try:
+        order, loose = touching.pair_around(points, *found.glued, slack)
+    except touching.Entangled as fault:
+        return found._replace(entangled=_tell_entangled(points, found.glued, fault))
+    apart = len(find_crowded(found.glued))
+    starts = np.arange(0, len(order) + 1, 2)
+    return found._replace(glued=Gluing(found.glued.faces, order, starts), apart=apart, loose=loose)
+
+
+def _tell_entangled(points, glued, fault):
+    if fault.edge is None:
+        return str(fault)
+    low, high = list_ends(glued, np.array([fault.edge]))[0]
+    return f"at the one from {tell_place(points[low])} to {tell_place(points[high])} {fault}"
 
 
 def _close_within_tolerance(points, start, largest):
     extent = np.ptp(points, axis=0).max()
-    loose = np.unique(list_ends(start.glued, find_open(start.glued)))
+    single = glue(drop_duplicates(start.glued.faces), len(points))
+    loose = np.unique(list_ends(single, find_open(single)))
     for tolerance in list_tolerances(largest):
         stand_in = merge_nearby(points, loose, tolerance * extent)
         if stand_in is None:
@@ -94,13 +158,11 @@ def _close_within_tolerance(points, start, largest):
         )
         if not found.moved or loses_part(merged, kept):
             continue
-        glued = glue(faces, len(points))
-        if is_closed(glued):
-            return found._replace(glued=glued)
-        single = drop_duplicates(glued.faces)
-        if len(single) < len(faces) and is_closed(again := glue(single, len(points))):
-            dropped = start.duplicates + len(faces) - len(single)
-            return found._replace(glued=again, duplicates=dropped)
+        found = found._replace(glued=glue(faces, len(points)))
+        if is_closed(found.glued):
+            return found
+        if is_closed((untied := untie(points, found, largest * extent)).glued):
+            return untied
     return None
 
 
@@ -165,6 +227,23 @@ def drop_duplicates(faces):
     return faces[first]
 
 
+def drop_flaps(glued, n_vertices):
+    """Return the faces without flaps: pairs of coinciding faces that are glued to each other.
+
+    Such a pair, which has a mesh edge to itself, encloses nothing. Where it
+    goes, its neighbour may become a flap.
+    """
+    while True:
+        faces = glued.faces
+        pair = np.flatnonzero(np.all(np.sort(faces[1:], axis=1) == np.sort(faces[:-1], axis=1), axis=1))
+        width = np.empty(len(glued.order), np.int64)
+        width[glued.order] = np.repeat(np.diff(glued.starts), np.diff(glued.starts))
+        pair = pair[(width.reshape(-1, 3)[pair] == 2).any(axis=1)]
+        if not len(pair):
+            return faces
+        glued = glue(np.delete(faces, np.concatenate([pair, pair + 1]), axis=0), n_vertices)
+
+
 def glue(faces, n_vertices, numbering=None):
     """Put faces in canonical order and group their half-edges by mesh edge.
 
@@ -174,6 +253,13 @@ def glue(faces, n_vertices, numbering=None):
     faces = faces.ravel()[corners]
     numbers = faces if numbering is None else numbering.ravel()[corners]
     return Gluing(faces, *gluing.group_half_edges(numbers, numbers.max(initial=0) + 1))
+
+
+def keep_faces(glued, kept):
+    """Return the gluing of the faces `kept` (m,) bool, which are whole components of a closed surface."""
+    half_edges = glued.order[kept[glued.order // 3]]
+    order = 3 * (np.cumsum(kept) - 1)[half_edges // 3] + half_edges % 3
+    return Gluing(glued.faces[kept], order, np.arange(0, len(order) + 1, 2))
 
 
 def is_closed(glued):

@@ -10,8 +10,8 @@ def find_fault(points, faces):
     """Return what makes (n, 3) points and (m, 3) faces unusable as numbers, or None."""
     if not len(faces):
         return "The file holds no faces: it is empty or damaged; export the mesh again."
-    strays = np.argwhere((faces < 0) | (faces >= len(points)))
-    if len(strays):
+    if faces.min() < 0 or faces.max() >= len(points):
+        strays = np.argwhere((faces < 0) | (faces >= len(points)))
         face, corner = strays[0]
         return (
             f"{len(strays)} face corners name a vertex that does not exist, the first is vertex"
@@ -20,14 +20,15 @@ def find_fault(points, faces):
         )
     used = find_used(len(points), faces)
     corners = points[used]
-    bad = np.flatnonzero(~np.isfinite(corners).all(axis=1))
-    if len(bad):
+    if not np.isfinite(corners).all():
+        bad = np.flatnonzero(~np.isfinite(corners).all(axis=1))
         return (
             f"{len(bad)} vertices have coordinates that are not finite numbers, the first is"
             f" vertex {used[bad[0]]} at {tell_place(corners[bad[0]])}; mend or remove them in the"
             " program that wrote the file."
         )
-    reach, extent = np.abs(corners).max(), np.ptp(corners, axis=0).max()
+    low, high = corners.min(axis=0), corners.max(axis=0)
+    reach, extent = max(-low.min(), high.max()), (high - low).max()
     if reach > LARGEST or extent < SMALLEST:
         return (
             f"Coordinates reach {reach:.3g} over an extent of {extent:.3g}, where areas and"

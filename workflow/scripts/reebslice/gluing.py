@@ -13,11 +13,14 @@ def order_corners(faces, n_vertices):
 
     `faces.ravel()[corners]` are the same faces, each beginning at its smallest
     id, in lexicographic order of the *unordered* triples: turning faces over
-    does not change their order, and faces with the same corners are neighbours.
+    does not change their order, and faces with the same corners are neighbours;
+    of those, the ones that run 0, 1, 2 come before the ones that run 0, 2, 1.
     """
     first = np.argmin(faces, axis=1)
     turns = (first[:, None] + np.arange(3)) % 3
-    rows = order_rows(np.sort(faces, axis=1), n_vertices)
+    _, second, third = np.take_along_axis(faces, turns, axis=1).T
+    runs = np.argsort(second > third, kind="stable")
+    rows = runs[order_rows(np.sort(faces, axis=1)[runs], n_vertices)]
     return 3 * rows[:, None] + turns[rows]
 
 
@@ -140,17 +143,54 @@ def label_corners(faces, opposite):
     return parent
 
 
-def split_pinches(faces, opposite, n_vertices):
+def split_pinches(faces, opposite, component):
     """Give each cycle of a vertex's link a vertex of its own.
 
     Returns `faces` (m, 3) over the new vertices and `origin` (n,), the vertex
-    that each of them was. Copies follow each other in the order of their first
-    corner, so the result depends on the order of `faces` only.
+    that each of them was. Copies follow each other in the order of their
+    component, then of their first corner: of components that coincide, it does
+    not matter which of two coinciding faces comes first.
     """
     fans = label_corners(faces, opposite)
     firsts = np.flatnonzero(fans == np.arange(len(fans)))
     vertex = faces.ravel()
-    firsts = firsts[np.argsort(vertex[firsts], kind="stable")]
+    firsts = firsts[np.lexsort((component[firsts // 3], vertex[firsts]))]
     number = np.empty(len(fans), np.int64)
     number[firsts] = np.arange(len(firsts))
     return number[fans].reshape(-1, 3), vertex[firsts]
+
+
+def split_double_edges(points, faces, opposite):
+    """Give each mesh edge two vertices of its own, by a new one in the middle of what is double.
+
+    points (n, 3), faces (m, 3) and opposite (3m,) of a closed surface, in
+    which two mesh edges may join the same two vertices. Returns points, sorted
+    as they were and with the new ones among them; faces over them; and the old
+    face that each one was, or was a part of.
+    """
+    order, starts = group_half_edges(faces, len(points))
+    middle = np.full(3 * len(faces), -1)
+    new = []
+    for edge in np.flatnonzero(np.diff(starts) > 2).tolist():
+        here = np.sort(order[starts[edge] : starts[edge + 1]])
+        firsts = here[here < opposite[here]]
+        for half_edge in firsts[1:].tolist():
+            middle[[half_edge, opposite[half_edge]]] = len(points) + len(new)
+            new.append(points[faces[half_edge // 3, [half_edge % 3, half_edge % 3 - 2]]].mean(axis=0))
+    if not new:
+        return points, faces, np.arange(len(faces))
+    cut = np.flatnonzero((middle.reshape(-1, 3) >= 0).any(axis=1))
+    fans = [_fan_out(faces[face].tolist(), middle[3 * face : 3 * face + 3].tolist()) for face in cut.tolist()]
+    old = np.concatenate([np.delete(np.arange(len(faces)), cut), np.repeat(cut, [len(fan) for fan in fans])])
+    faces = np.concatenate([np.delete(faces, cut, axis=0), *fans])
+    points = np.concatenate([points, new])
+    order = np.lexsort(points.T[::-1])
+    return points[order], np.argsort(order)[faces], old
+
+
+def _fan_out(face, middles):
+    """Return the triangles of one face with new vertices in the middle of some of its sides."""
+    ring = [vertex for pair in zip(face, middles) for vertex in pair if vertex >= 0]
+    first = next(k for k, vertex in enumerate(ring) if vertex in middles)
+    ring = ring[first:] + ring[:first]
+    return [[ring[0], one, two] for one, two in zip(ring[1:], ring[2:])]

@@ -159,6 +159,37 @@ def cast_rays(points, faces, queries, margin):
     return inside, on
 
 
+def find_sides(points, faces, shell, turned):
+    """Find on which side of every shell the material is.
+
+    points (n, 3), faces (m, 3), shell (m,) the shell of each face, turned (m,)
+    bool, the faces wound against the first one of their shell.
+
+    Returns a dict: `flip` (m,) bool, the faces to turn over so that they are
+    counter-clockwise seen from outside the material; and of the shells (s,)
+    `areas`, `volumes` (negative for voids), `body` and `parent` as
+    `nest_shells` has them, `free` (its winding was inconsistent) and `inward`
+    (consistent, but turned over as a whole).
+    """
+    n_shells = shell.max() + 1
+    wound = np.where(turned[:, None], faces[:, [0, 2, 1]], faces)
+    areas, volumes = measure_shells(points, wound, shell, n_shells)
+    free = np.bincount(shell, turned, n_shells) > 0
+    enclosing = find_enclosing(points, faces, shell, n_shells)
+    before = np.sign(volumes).astype(np.int64)
+    signs, body, parent = nest_shells(enclosing, before, np.abs(volumes), free)
+    mirrored = signs * before < 0  # not those without volume, which have no inside
+    return dict(
+        flip=turned ^ mirrored[shell],
+        areas=areas,
+        volumes=signs * np.abs(volumes),
+        body=body,
+        parent=parent,
+        free=free,
+        inward=mirrored & ~free,
+    )
+
+
 def nest_shells(enclosing, signs, volumes, free):
     """Decide the sign, the body and the parent of every shell.
 

@@ -1,0 +1,126 @@
+"""Bodies that overlap, united into one.
+
+The Boolean union is manifold3d's (https://github.com/elalish/manifold), which
+returns a closed, oriented surface of rounded coordinates. Where bodies merely
+touch, rounding would decide whether they unite, so such a union is refused.
+"""
+
+import manifold3d
+import numpy as np
+from scipy.sparse import coo_array
+from scipy.sparse.csgraph import connected_components
+
+from .faults import tell_place
+
+
+SHIFT = 1e-9  # of the largest extent: the union must not change if bodies move by so much
+TRIALS = 2
+
+
+class Refused(ValueError):
+    """The bodies cannot be united; the message says why."""
+
+
+def unite_bodies(points, faces, body):
+    """Unite the bodies that overlap, or that lie in one another's material.
+
+    points (n, 3), mesh units; faces (m, 3) of a closed surface, each vertex
+    with one fan of faces; body (m,) the body that each face bounds, voids
+    included. Returns the points and faces of the union, vertices of different
+    sheets apart; or None if all bodies are clear of each other. Bodies whose
+    boxes meet no other's stay as they are.
+
+    Raises `Refused` if manifold3d does not take a body, if a body that meets
+    others crosses itself, and if the shells of the union, or their genera,
+    change when the bodies move by `SHIFT`.
+    """
+    numbers, body = np.unique(body, return_inverse=True)
+    cluster = _cluster_boxes(points, faces, body, len(numbers))
+    parts, changed = [], False
+    for one in range(cluster.max() + 1):
+        members = np.flatnonzero(cluster == one)
+        united = _unite([_build(points, faces[body == member]) for member in members]) if len(members) > 1 else None
+        changed |= united is not None
+        parts.append(united or (points, faces[np.isin(body, members)]))
+    return _put_together(parts) if changed else None
+
+
+def _cluster_boxes(points, faces, body, n_bodies):
+    corners = points[faces]
+    low, high = np.full((n_bodies, 3), np.inf), np.full((n_bodies, 3), -np.inf)
+    np.minimum.at(low, body, corners.min(axis=1))
+    np.maximum.at(high, body, corners.max(axis=1))
+    meets = [np.flatnonzero(np.all((low <= high[one]) & (high >= low[one]), axis=1)) for one in range(n_bodies)]
+    ends = np.repeat(np.arange(n_bodies), [len(others) for others in meets]), np.concatenate(meets)
+    graph = coo_array((np.ones(len(ends[0]), bool), ends), shape=(n_bodies, n_bodies))
+    return connected_components(graph, directed=False)[1]
+
+
+def _build(points, faces):
+    used, local = np.unique(faces, return_inverse=True)
+    mesh = manifold3d.Mesh64(np.ascontiguousarray(points[used]), local.reshape(-1, 3).astype(np.uint64))
+    body = _check(manifold3d.Manifold(mesh))
+    _check_simple(body)
+    return body
+
+
+def _check_simple(body):
+    """Raise `Refused` if a body crosses itself.
+
+    With the winding number w of a body, which is 0 or 1 unless it crosses
+    itself, manifold3d's union with a twin has the winding number 2 w - w^2,
+    so that the volume tells: it changes by no more than the twin's shift.
+    """
+    low, high = np.array(body.bounding_box()).reshape(2, 3)
+    step = SHIFT * (high - low).max()
+    both = _add([body, body.translate((0.6 * step, 0.64 * step, 0.48 * step))])
+    if abs(both.volume() - body.volume()) > 4 * step * body.surface_area():
+        raise Refused(f"the body between {tell_place(low)} and {tell_place(high)} crosses itself")
+
+
+def _unite(bodies):
+    """Return points and faces of the union, or None if no body meets another."""
+    union = _add(bodies)
+    if any(_find_shells(_add(moved)) != _find_shells(union) for moved in _move_bodies(bodies)):
+        low, high = np.array(union.bounding_box()).reshape(2, 3)
+        raise Refused(
+            f"some of the bodies between {tell_place(low)} and {tell_place(high)} touch without overlapping, so that"
+            " rounding would decide whether they unite"
+        )
+    if (union.num_vert(), union.num_tri()) == tuple(map(sum, zip(*((m.num_vert(), m.num_tri()) for m in bodies)))):
+        return None
+    mesh = union.to_mesh64()
+    return np.asarray(mesh.vert_properties)[:, :3].copy(), np.asarray(mesh.tri_verts).astype(np.int64)
+
+
+def _move_bodies(bodies):
+    """Yield the bodies, each moved a little in a direction of its own, and then in the opposite one."""
+    boxes = np.array([body.bounding_box() for body in bodies])
+    reach = SHIFT * (boxes[:, 3:].max(axis=0) - boxes[:, :3].min(axis=0)).max()
+    random = np.random.default_rng(0)
+    for _ in range(TRIALS):
+        steps = random.normal(size=(len(bodies), 3))
+        steps *= reach / np.linalg.norm(steps, axis=1)[:, None]
+        for sign in (1, -1):
+            yield [body.translate(tuple(sign * step)) for body, step in zip(bodies, steps)]
+
+
+def _find_shells(union):
+    """Return genus and side of each shell, sorted."""
+    return sorted((shell.genus(), shell.volume() > 0) for shell in union.decompose())
+
+
+def _add(bodies):
+    return _check(manifold3d.Manifold.batch_boolean(bodies, manifold3d.OpType.Add))
+
+
+def _check(manifold):
+    if manifold.status() != manifold3d.Error.NoError or manifold.is_empty():
+        raise Refused(f"manifold3d does not take the surface of a body (status {manifold.status().name})")
+    return manifold
+
+
+def _put_together(parts):
+    shifts = np.cumsum([0] + [len(points) for points, _ in parts])
+    faces = [faces + shift for (_, faces), shift in zip(parts, shifts)]
+    return np.concatenate([points for points, _ in parts]), np.concatenate(faces)
