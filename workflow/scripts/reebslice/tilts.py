@@ -1,22 +1,34 @@
-"""The tilt that makes the height a Morse function."""
+"""The tilt that makes the height a Morse function, and its Reeb graph one that few levels show."""
+
+import math
 
 import numpy as np
 
-from .critical import vertex_indices
-from .heightmesh import HeightMesh, height_order, tilt_points
-from .pairing import critical_persistence
+from .directions import fewest_levels, find_critical_points, find_significant, heights_along
+from .heightmesh import find_twins, height_order, tilt_points
 
 MODES = ("auto", "none", "direction")
 
 # A critical point counts in the choice of a direction if its persistence is
 # at least this share of the height range: noise has no say.
 SIGNIFICANT_SHARE = 0.02
-# What an angle costs, in critical points per degree.
-ANGLE_COST = 0.2
-# Faces that the candidates of one model may visit in all; a larger mesh gets
-# fewer candidates, but never fewer than the least.
-FACE_BUDGET = 4_000_000
-LEAST_CANDIDATES = 8
+# What an angle costs, in levels per degree.
+ANGLE_COST = 0.1
+# Where more levels than these are needed, noise rules, and they are not counted.
+MOST_LEVELS = 1000
+# Heights computed at a time, so that they stay in the cache.
+HEIGHTS_AT_ONCE = 2**18
+# What is recorded of the candidates that are not chosen.
+CANDIDATE_FIGURES = (
+    "direction",
+    "angle",
+    "margin",
+    "morse",
+    "persistent",
+    "fewest_levels",
+    "fewest_levels_exact",
+    "cost",
+)
 
 
 def rotation_to_vertical(direction):
@@ -34,79 +46,102 @@ def rotation_to_vertical(direction):
 def candidate_directions(count, cone, seed):
     """`count` unit vectors within `cone` degrees of +z, the first of them +z itself.
 
-    The others are uniform in the cap, drawn with `seed`.
+    The others are uniform in the cap, drawn with `seed`: the same ones, and more, for a larger count.
     """
     random = np.random.default_rng(seed)
-    z = 1 - (1 - np.cos(np.radians(cone))) * random.random(count - 1)
-    turn = 2 * np.pi * random.random(count - 1)
+    up, around = random.random((count - 1, 2)).T
+    z = 1 - (1 - np.cos(np.radians(cone))) * up
+    turn = 2 * np.pi * around
     flat = np.sqrt(1 - z * z)
     return np.vstack([[0.0, 0.0, 1.0], np.column_stack([flat * np.cos(turn), flat * np.sin(turn), z])])
 
 
-def select_tilt(points, faces, mode="auto", direction=None, cone=15.0, candidates=32, seed=0):
+def select_tilt(points, faces, mode="auto", direction=None, cone=15.0, candidates=64, seed=0):
     """The tilt of a surface, as the record written to `tilt.json`.
 
     points : (n, 3) model frame; faces : (m, 3). mode : "none" keeps the
-    input's z; "direction" takes the given vector; "auto" searches in a cone
-    of `cone` degrees about z for a direction that is Morse beyond rounding
-    and has the fewest persistent critical points, at a small cost per degree.
+    input's z; "direction" takes the given vector; "auto" tries z and others in
+    a cone of `cone` degrees about it, drawn with `seed`, for a direction that
+    is Morse beyond rounding and costs least (:func:`assess_directions`). The
+    result does not depend on the order of vertices and faces.
 
     `margin` is the smallest height difference over all mesh edges; `morse` is
     "proven" if it exceeds what rounding can amount to, else "by_sos": the
     order of heights is then made unambiguous by an infinitesimal tilt.
     """
     if mode == "auto":
-        affordable = max(LEAST_CANDIDATES, FACE_BUDGET // max(1, len(faces)))
-        tried = candidate_directions(min(candidates, affordable), cone, seed)
+        tried, drawn = candidate_directions(candidates, cone, seed), {"cone": float(cone), "seed": int(seed)}
     else:
         vector = np.array([0.0, 0.0, 1.0] if mode == "none" else direction, float)
-        tried = (vector / np.linalg.norm(vector))[None]
-    records = [assess_direction(points, faces, vector) for vector in tried]
+        tried, drawn = (vector / np.linalg.norm(vector))[None], {}
+    records = assess_directions(points, faces, tried)
     best = min(records, key=lambda record: (record["morse"] != "proven", record["cost"], record["angle"]))
     return {
         **best,
         "rotation": rotation_to_vertical(best["direction"]).tolist(),
         "mode": mode,
-        "candidates": [{name: r[name] for name in ("direction", "angle", "margin", "morse", "cost")} for r in records],
+        **drawn,
+        "candidates": [{name: record[name] for name in CANDIDATE_FIGURES} for record in records],
     }
 
 
-def assess_direction(points, faces, direction):
-    """Margin, critical counts and cost of one direction, as a dict.
+def assess_directions(points, faces, directions):
+    """Margin, critical counts, fewest levels and cost of each direction (k, 3): a list of k dicts.
 
-    `critical` counts minima, saddles (a multiple one by its multiplicity) and
-    maxima; `persistent` those of them whose persistence is significant.
+    `critical` counts minima, saddles (a k-fold one k times) and maxima;
+    `persistent` those of them whose persistence is significant, loops always.
+    `fewest_levels` tell the significant ones apart, `fewest_levels_exact` all,
+    noise as well (:func:`directions.fewest_levels`; of both, at most
+    `MOST_LEVELS` are counted). The cost is the geometric
+    mean of the two, so that either matters in proportion, and a little for the
+    angle to z.
     """
-    direction = np.asarray(direction, float)
-    tilted = tilt_points(points, rotation_to_vertical(direction))
-    margin = edge_margin(tilted[:, 2], faces)
+    points, faces = np.asarray(points, float), np.ascontiguousarray(faces, np.int32)
+    twins = find_twins(faces, len(points))
+    step = max(1, HEIGHTS_AT_ONCE // len(points))
+    records = []
+    for first in range(0, len(directions), step):
+        block = np.asarray(directions[first : first + step], float)
+        heights = heights_along(points, block)
+        records += [_assess(points, faces, twins, *pair) for pair in zip(block, heights)]
+    return records
+
+
+def _assess(points, faces, twins, direction, height):
+    key, found = height, find_critical_points(faces, height)
+    margin, rounding = float(found.margin), height_rounding(points, direction)
+    if len(found.vertices) == 0:  # heights tie
+        key = sos_ranks(points, direction)
+        found = find_critical_points(faces, key)
+    significant, persistent = find_significant(faces, key, height, found, SIGNIFICANT_SHARE * float(np.ptp(height)))
+    levels = fewest_levels(faces, twins, key, found, significant, MOST_LEVELS)
+    exact = fewest_levels(faces, twins, key, found, found.index != 0, MOST_LEVELS)
     angle = float(np.degrees(np.arctan2(np.hypot(direction[0], direction[1]), direction[2])))
-    mesh = _ranked(tilted, faces)
-    index = vertex_indices(mesh)
-    tops = np.zeros(len(points), bool)
-    tops[mesh.faces.max(axis=1)] = True
-    persistence = critical_persistence(mesh)
-    height_range = float(mesh.points[-1, 2] - mesh.points[0, 2])
-    persistent = int((persistence >= SIGNIFICANT_SHARE * height_range).sum())
+    lowest = found.down[found.vertices] == found.vertices
+    index = found.index[found.vertices]
     return {
         "direction": direction.tolist(),
         "angle": angle,
         "margin": margin,
-        "rounding": height_rounding(points, direction),
-        "morse": "proven" if margin > height_rounding(points, direction) else "by_sos",
+        "rounding": rounding,
+        "morse": "proven" if margin > rounding else "by_sos",
         "critical": {
-            "minima": int(((index == 1) & ~tops).sum()),
+            "minima": int(((index == 1) & lowest).sum()),
             "saddles": int(-index[index < 0].sum()),
-            "maxima": int(((index == 1) & tops).sum()),
+            "maxima": int(((index == 1) & ~lowest).sum()),
         },
         "persistent": persistent,
-        "cost": persistent + ANGLE_COST * angle,
+        "fewest_levels": levels,
+        "fewest_levels_exact": exact,
+        "cost": math.sqrt(levels * exact) + ANGLE_COST * angle,
     }
 
 
-def edge_margin(height, faces):
-    """The smallest height difference over all mesh edges, mesh units."""
-    return float(min(np.abs(height[faces[:, k]] - height[faces[:, k - 1]]).min() for k in range(3)))
+def sos_ranks(points, direction):
+    """Place of every vertex in the order of heights, ties broken as everywhere, (n,) float64."""
+    rank = np.empty(len(points))
+    rank[height_order(tilt_points(points, rotation_to_vertical(direction)))] = np.arange(len(points))
+    return rank
 
 
 def height_rounding(points, direction):
@@ -117,12 +152,4 @@ def height_rounding(points, direction):
     """
     if np.count_nonzero(direction) == 1 and np.abs(direction).max() == 1:
         return 0.0
-    return float(2 * 3 * 2.0**-53 * (1 + 1e-9) * (np.abs(points) @ np.abs(direction)).max())
-
-
-def _ranked(tilted, faces):
-    """A height mesh for counting critical points only, without twins."""
-    order = height_order(tilted)
-    rank = np.empty(len(order), np.int32)
-    rank[order] = np.arange(len(order), dtype=np.int32)
-    return HeightMesh(tilted[order], rank[faces], np.zeros(0, np.int32), order)
+    return float(2 * 3 * 2.0**-53 * (1 + 1e-9) * heights_along(np.abs(points), np.abs(direction)[None]).max())
