@@ -17,6 +17,7 @@ configfile: Path(workflow.basedir) / "config" / "config.yaml"
 include: "workflow/rules/common.smk"
 include: "workflow/rules/stages.smk"
 include: "workflow/rules/corpus.smk"
+include: "workflow/rules/compare.smk"
 
 
 rule all:

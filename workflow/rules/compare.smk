@@ -1,0 +1,42 @@
+# How far links guessed from shapes alone are right: not part of `rule all`, but
+# asked for by name: snakemake --cores 2 compare_methods
+
+
+# Cuts the model at uniform levels, guesses links by each rule and counts what
+# is missed and what is false, for every tilt and number of levels.
+# Writes comparison.
+rule compare_links:
+    input:
+        status="results/status/inspect_mesh/{batch}.parquet",
+    output:
+        status="results/status/compare_links/{batch}.parquet",
+    params:
+        options=config["compare"] | {key: config["tilt"][key] for key in ("cone", "candidates", "seed")},
+        code=digest_code(SCRIPTS / "compare_links.py"),
+    log:
+        "results/logs/compare_links/{batch}.log",
+    benchmark:
+        "results/benchmarks/compare_links/{batch}.tsv"
+    resources:
+        mem_mb=memory_of,
+    script:
+        "../scripts/compare_links.py"
+
+
+# results/corpus/comparison.parquet and .png: all of them.
+rule compare_methods:
+    input:
+        status=[f"results/status/compare_links/{batch}.parquet" for batch in BATCHES],
+    output:
+        table="results/corpus/comparison.parquet",
+        figure="results/corpus/comparison.png",
+    params:
+        code=digest_code(SCRIPTS / "compare_methods.py"),
+    log:
+        "results/logs/compare_methods.log",
+    benchmark:
+        "results/benchmarks/compare_methods.tsv"
+    resources:
+        mem_mb=1000,
+    script:
+        "../scripts/compare_methods.py"

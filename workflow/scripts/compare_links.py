@@ -1,0 +1,52 @@
+"""Guess links from shapes at uniform levels, and hold them against the mesh: `comparison`."""
+
+import numpy as np
+
+from batches import run_batch
+from reebslice.comparison import compare_rules, model_half
+from reebslice.critical import unfold_saddles
+from reebslice.heightmesh import order_by_height
+from reebslice.levels import cut_surface, make_levels, uniform_heights
+from reebslice.schemas import SCHEMAS, build_table
+from reebslice.tables import contours_table, pieces_table
+from reebslice.tilts import select_tilt
+from storage import write_table
+from surfaces import read_faces, read_points, vertex_bodies
+
+OUTPUTS = ("comparison.parquet",)
+
+
+def main(source, target, options):
+    """Compare on the model in folder `source`, write the counts to folder `target`.
+
+    options : `levels`, numbers of levels; `tilts`, of "none", "auto" and
+    "random"; `cone`, `candidates`, `seed` of the directions tried.
+    """
+    points, faces = read_points(source), read_faces(source)
+    rows = []
+    for tilt in options["tilts"]:
+        rotation = choose_rotation(points, faces, tilt, options)
+        mesh = unfold_saddles(order_by_height(points, faces, rotation))
+        shell, body = vertex_bodies(source, mesh)
+        for count in options["levels"]:
+            same = {"model": source.name, "half": model_half(source.name), "tilt": tilt, "n_levels": count}
+            low, high = mesh.points[[0, -1], 2]
+            slices = cut_surface(mesh, make_levels(mesh, uniform_heights(low, high, (high - low) / count)), body)
+            tables = contours_table(mesh, slices, shell), pieces_table(mesh, slices, shell)
+            rows += [{**same, **row} for row in compare_rules(*tables)]
+    columns = {field.name: [row[field.name] for row in rows] for field in SCHEMAS["comparison"]}
+    write_table(target / "comparison.parquet", "comparison", build_table("comparison", columns))
+
+
+def choose_rotation(points, faces, tilt, options):
+    """Rotation to the tilted frame, (3, 3); a random direction is any of the sphere, one for all models."""
+    if tilt == "random":
+        direction = np.random.default_rng(options["seed"]).normal(size=3).tolist()
+        record = select_tilt(points, faces, "direction", direction)
+    else:
+        record = select_tilt(points, faces, tilt, **{name: options[name] for name in ("cone", "candidates", "seed")})
+    return np.array(record["rotation"])
+
+
+if "snakemake" in globals():
+    run_batch(snakemake, main, OUTPUTS)  # noqa: F821

@@ -1,0 +1,47 @@
+"""Gather the comparison of all models into one table and one figure."""
+
+from pathlib import Path
+
+import pyarrow as pa
+
+from batches import MODELS_FOLDER, print_into, read_status
+from reebslice.charts import draw_comparison
+from reebslice.comparison import EVERY, rates
+from storage import read_table, write_table
+
+
+def main(tables):
+    """Return the table `comparison` over all accepted models.
+
+    tables : paths of the status tables of compare_links. One that tells of a
+    model that failed, or promises what is gone, is removed, so that the next
+    run makes it again, and RuntimeError raised.
+    """
+    rows = {table: read_status(table) for table in tables}
+    broken = {table: [row for row in rows[table] if _is_broken(row)] for table in tables}
+    for table in [table for table in tables if broken[table]]:
+        Path(table).unlink()
+    if any(broken.values()):
+        faults = [f"{row['model']}: {row['reason'] or 'its table is gone'}" for row in sum(broken.values(), [])]
+        raise RuntimeError("not compared; the next run tries again:\n" + "\n".join(faults))
+    done = sorted(row["model"] for table in tables for row in rows[table] if row["status"] == "ok")
+    if not done:
+        raise RuntimeError("there is no accepted model to compare the methods on")
+    return pa.concat_tables(read_table(_place(model), "comparison") for model in done)
+
+
+def _place(model):
+    return MODELS_FOLDER / model / "comparison.parquet"
+
+
+def _is_broken(row):
+    return row["status"] == "failed" or (row["status"] == "ok" and not _place(row["model"]).is_file())
+
+
+if "snakemake" in globals():
+    print_into(snakemake.log[0])
+    table = main(list(snakemake.input))
+    write_table(snakemake.output.table, "comparison", table)
+    draw_comparison(table).savefig(snakemake.output.figure)
+    every = table.to_pandas().query("kind == @EVERY")
+    print(rates(every, ("half", "tilt", "n_levels", "method")).round(3).to_string())
