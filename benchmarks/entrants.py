@@ -1,0 +1,124 @@
+"""What is measured: programs that slice, or make Reeb graphs or skeletons, from the same arrays.
+
+An entrant has `prepare(points, faces)`, which builds what the program keeps of
+a mesh, and `run(prepared, heights)`, which answers. Raw seconds are those of
+both, warm seconds those of a second run on what is prepared. `check(answer)`
+states the answer in figures, outside the measurement. Modules are imported by
+the functions, for the sake of those that are not installed.
+"""
+
+from typing import Callable, NamedTuple
+
+import numpy as np
+import peers
+from answer_figures import graph_figures, region_figures, ring_figures, unsigned_figures
+from clocks import processor_seconds
+
+
+class Entrant(NamedTuple):
+    """program : as readers know it; task : what it is asked; package : on PyPI; remark : what its answer lacks."""
+
+    program: str
+    task: str
+    package: str
+    prepare: Callable
+    run: Callable
+    check: Callable
+    remark: str = ""
+
+
+# --------------------------------------------------------------------------
+# reebslice
+
+
+def order_mesh(points, faces):
+    from reebslice.heightmesh import order_by_height
+
+    return order_by_height(points, faces, np.eye(3))
+
+
+def order_simple(points, faces):
+    from reebslice.critical import unfold_saddles
+
+    return unfold_saddles(order_mesh(points, faces))
+
+
+def trace(mesh, heights):
+    from reebslice.levels import make_levels
+    from reebslice.slicing import trace_contours
+
+    return trace_contours(mesh, make_levels(mesh, heights))
+
+
+def cut(mesh, heights):
+    from reebslice.levels import cut_surface, make_levels
+
+    return cut_surface(mesh, make_levels(mesh, heights), np.zeros(len(mesh.points), np.int32))
+
+
+def check_contours(contours):
+    """The figures, and the seconds that a copy of the points takes: no program can be faster."""
+    from reebslice.slicing import measure_contours
+
+    area, copies, start = measure_contours(contours)[0], 0, processor_seconds()
+    while (seconds := processor_seconds() - start) < 0.2:
+        contours.points.copy()
+        copies += 1
+    return {
+        "contours": len(area), "points": len(contours.points), "copy": seconds / copies,
+        "area": float(area.sum()), "absolute_area": float(np.abs(area).sum()),
+    }  # fmt: skip
+
+
+def check_slices(slices):
+    return check_contours(slices.contours) | {"regions": len(slices.regions.level)}
+
+
+def sweep(mesh, _):
+    from reebslice.reeb import surface_reeb_graph
+
+    return surface_reeb_graph(mesh)
+
+
+def check_graph(graph):
+    return graph_figures(len(graph.nodes), len(graph.arcs))
+
+
+def refine(mesh, _):
+    from reebslice.levels import slice_surface
+
+    span = mesh.points[-1, 2] - mesh.points[0, 2]
+    return slice_surface(mesh, np.zeros(len(mesh.points), np.int32), 2 * span, "exact")[0]
+
+
+def check_solid(slices):
+    figures = graph_figures(slices.n_blocks, len(slices.regions.level))
+    return {"loops": figures["loops"], "levels_used": len(slices.levels.height)}
+
+
+# --------------------------------------------------------------------------
+# Who is asked for what
+
+UNJOINED = "segments, not joined to curves"
+UNORIENTED = "curves run either way round"
+FLOAT32 = "in single precision, material on the right"
+
+ENTRANTS = [
+    Entrant("reebslice", "contours", "", order_mesh, trace, check_contours),
+    Entrant("manifold3d", "contours", "manifold3d", peers.build_manifold, peers.slice_manifold, ring_figures),
+    Entrant("VTK", "contours", "vtk", peers.build_vtk_contours, peers.slice_vtk, unsigned_figures, UNORIENTED),
+    Entrant("meshlib", "contours", "meshlib", peers.build_meshlib, peers.slice_meshlib, ring_figures, FLOAT32),
+    Entrant("trimesh", "contours", "trimesh", peers.build_trimesh, peers.slice_trimesh, unsigned_figures, UNORIENTED),
+    Entrant("open3d", "contours", "open3d", peers.build_open3d, peers.slice_open3d, peers.check_segments, UNJOINED),
+    Entrant("reebslice", "regions", "", order_simple, cut, check_slices),
+    Entrant("manifold3d", "regions", "manifold3d", peers.build_manifold, peers.nest_manifold, region_figures),
+    Entrant("trimesh", "regions", "trimesh", peers.build_trimesh, peers.nest_trimesh, region_figures),
+    Entrant("reebslice", "surface graph", "", order_simple, sweep, check_graph),
+    Entrant("VTK", "surface graph", "vtk", peers.build_vtk, peers.sweep_vtk, peers.check_vtk_graph),
+    Entrant(
+        "ceREEBerus", "surface graph", "cereeberus",
+        peers.build_cereeberus, peers.sweep_cereeberus, peers.check_multigraph,
+    ),  # fmt: skip
+    Entrant("reebslice", "solid graph", "", order_simple, refine, check_solid),
+    Entrant("skeletor", "skeleton", "skeletor", peers.build_trimesh, peers.find_skeleton, peers.check_skeleton),
+]

@@ -1,0 +1,59 @@
+"""The comparison with peers, on meshes of a few hundred faces and with no peer installed."""
+
+import importlib
+import re
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+ROOT = Path(__file__).parent.parent
+
+
+@pytest.fixture
+def benchmark(monkeypatch):
+    monkeypatch.syspath_prepend(ROOT / "benchmarks")
+    return importlib.import_module
+
+
+@pytest.mark.parametrize("tilt", ["lying", "upright"])
+def test_bumpy_torus_is_a_torus_of_the_size_asked_for(benchmark, tilt):
+    meshes = benchmark("bumpy_meshes")
+    points, faces = meshes.bumpy_torus(5000, bumps=3, tilt=tilt, height=0.01)
+    edges = {tuple(edge) for face in faces for edge in zip(face, np.roll(face, -1))}
+    assert abs(len(faces) - 5000) < 100 and 2 * len(points) == len(faces)
+    assert len(edges) == 3 * len(faces) and all((b, a) in edges for a, b in edges)
+    a, b, c = points[faces.T]
+    volume = np.einsum("ij,ij", a, np.cross(b, c)) / 6
+    assert volume == pytest.approx(2 * np.pi**2 * meshes.MAJOR * meshes.MINOR**2, rel=0.02)
+
+
+def test_no_level_is_at_a_vertex(benchmark):
+    heights = benchmark("bumpy_meshes").level_heights(np.array([[0, 0, 0], [0, 0, 0.5], [0, 0, 1.0]]), 1)
+    assert heights == [np.nextafter(0.5, 1)]
+
+
+def test_figures_of_rings(benchmark):
+    square = np.array([(0, 0), (2, 0), (2, 2), (0, 2.0)])
+    hole = square[::-1] / 2 + 0.5
+    figures = benchmark("answer_figures").region_figures([[square, hole]])
+    assert figures == {"contours": 2, "points": 8, "area": 3.0, "absolute_area": 5.0, "regions": 1}
+
+
+def test_comparison_runs_and_writes_its_page(benchmark, monkeypatch, tmp_path):
+    compare, page = benchmark("compare_peers"), benchmark("benchmark_page")
+    monkeypatch.setattr(compare, "find_version", lambda one: None if one.package else "")
+    cell = compare.Cell(("surface graph",), "upright", 600)
+    table = compare.measure_cells([cell], 1, 60, ["reebslice", "VTK"])
+    ours, theirs = table.itertuples()
+    assert ours.status == "ok" and ours.raw > ours.prepare > 0 and ours.warm > 0
+    assert ours.loops == 1 and ours.nodes % 2 == 0 and theirs.status == "not installed"
+    text = (ROOT / "docs" / "benchmarks.md").read_text()
+    empty = re.sub(r"(<!-- [\w ]+ begins -->\n).*?(?=<!--)", r"\1", text, flags=re.DOTALL)
+    (tmp_path / "benchmarks.md").write_text(empty)
+    page.write_page(tmp_path / "benchmarks.md", table)
+    page.draw_growth(tmp_path / "growth.svg", table)
+    written = (tmp_path / "benchmarks.md").read_text()
+    assert re.search(r"graphs begins -->\n.*\n.*\n\| upright, 12 bumps \| 600 \| \d+ \| 1 \|.* not installed", written)
+    assert set(page.TABLES) == set(re.findall(r"<!-- ([\w ]+) begins -->", text))
+    assert (tmp_path / "growth.svg").stat().st_size > 10_000
