@@ -8,7 +8,7 @@ from pathlib import Path
 import networkx as nx
 import numpy as np
 
-from reebslice.schemas import EVENTS
+from reebslice.schemas import EVENTS, GRAPHS, MODEL_TABLES
 from storage import read_table
 
 STAGES = {
@@ -26,7 +26,7 @@ OPTIONS = {
     "nodes": {"sampler": "representative"},
     "edges": {"method": "exact"},
 }
-TABLES = ("vertices", "faces", "shells", "levels", "contours", "pieces", "handles", "nodes", "edges", "arcs")
+TABLES = MODEL_TABLES
 
 
 @dataclass
@@ -74,6 +74,8 @@ def run_mesh(path, folder, **sections):
     """
     for stage, section in STAGES.items():
         options = OPTIONS.get(section, {}) | sections.get(section, {})
+        if stage == "synthesize_edges":
+            options = options | {"levels": OPTIONS["levels"] | sections.get("levels", {})}
         source = Path(path) if stage == "inspect_mesh" else Path(folder)
         importlib.import_module(stage).main(source, Path(folder), options)
 
@@ -86,7 +88,7 @@ def run_stages(solid, folder, **sections):
     tables = {name: read_table(folder / f"{name}.parquet", name).to_pylist() for name in TABLES}
     graphs = {
         name: nx.read_graphml(folder / f"{name}.graphml", force_multigraph=True)
-        for name in ("solid", "surface", "augmented")
+        for name in GRAPHS
     }
     tilt = json.loads((folder / "tilt.json").read_text())
     vertices = np.array([[row["x"], row["y"], row["z"]] for row in tables["vertices"]])

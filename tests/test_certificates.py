@@ -11,20 +11,18 @@ import pytest
 import shapely
 
 from certify import mesh_lengths
-from pipeline import TABLES, run_stages
+from pipeline import OPTIONS, TABLES, run_stages
 from reebslice.certification import certificates
 from reebslice.certification.certificates import certify
-from reebslice.schemas import EVENTS, PIECE_KINDS, SCHEMAS
+from reebslice.schemas import EVENTS, GRAPHS, PIECE_KINDS, SCHEMAS
 from solids import (
     bowl_shape, cube, cup, hollow_ball, icosphere, linked_rings, monkey_saddle, move, nested_shells, overhang, plate,
-    terrain, torus, unite,
+    terrain, torus, unite, winding_voids,
 )  # fmt: skip
 from sources import find_sources
 from storage import read_json, read_table
 
-# Columns that state a choice or a reading that no invariant hangs on.
-FREE = {("levels", "why"), ("shells", "parent")}
-GRAPHS = ("solid", "surface", "augmented")
+SIZE = 0.2  # feature size, mesh units
 
 
 def mixture():
@@ -49,6 +47,11 @@ def results(name):
 
 
 def run(solid, direction, levels):
+    """Levels at a distance relative to the height and the feature size SIZE, unless all is told."""
+    if levels.get("units") != "absolute":
+        height = np.ptp(solid.points @ (direction / np.linalg.norm(direction)))
+        distance = height * levels.get("distance", OPTIONS["levels"]["distance"])
+        levels = levels | {"units": "absolute", "distance": distance, "feature_size": SIZE}
     with TemporaryDirectory() as folder:
         run_stages(solid, folder, tilt={"mode": "direction", "direction": direction}, levels=levels)
         tables = {table: read_table(f"{folder}/{table}.parquet", table) for table in TABLES}
@@ -56,7 +59,7 @@ def run(solid, direction, levels):
         return tables, read_json(f"{folder}/tilt.json"), graphs
 
 
-def certificate(tables, tilt, graphs, feature_size=0.2):
+def certificate(tables, tilt, graphs, feature_size=SIZE):
     return certify(tables, tilt, graphs, feature_size)
 
 
@@ -106,20 +109,21 @@ def test_what_the_pipeline_makes_holds(solid, refine):
 
 
 def test_a_coarse_model_is_not_called_exact():
-    results_ = results("coarse")
-    assert failures(certificate(*results_)) == []
-    assert certificate(*results_, feature_size=1e-3)["verdict"] == "uncertified"
-    assert certificate(*results_, feature_size=100.0)["verdict"] != "exact"
+    assert failures(certificate(*results("coarse"))) == []
+    for size, verdict in ((1e-3, "uncertified"), (100.0, "exact_at_feature_size")):
+        coarse = {"refine": "none", "units": "absolute", "distance": 3.0, "feature_size": size}
+        found = certificate(*run(mixture(), [0.1, 0.2, 0.97], coarse), feature_size=size)
+        assert failures(found) == [] and found["verdict"] == verdict
 
 
 def test_features_that_cancel_inside_a_slab_are_told():
     # two towers 4 high on a slab 5 high, and no level above 4.5
     towers = terrain(np.array([[5, 5, 5, 5, 5], [5, 9, 5, 9, 5], [5, 5, 5, 5, 5]]))
-    whole = run(towers, [0, 0, 1], {"refine": "none", "distance": 1.0})
-    found = certificate(*whole, feature_size=4.5)
-    assert (found["compound"], found["cancelled_pairs"], found["cancelled_persistence"]) == (0, 1, 4.0)
-    assert failures(found) == [] and found["verdict"] == "exact_at_feature_size"
-    assert certificate(*whole, feature_size=3.5)["verdict"] == "uncertified"
+    for size, verdict in ((4.5, "exact_at_feature_size"), (3.5, "uncertified")):
+        levels = {"refine": "none", "units": "absolute", "distance": 100.0, "feature_size": size}
+        found = certificate(*run(towers, [0, 0, 1], levels), feature_size=size)
+        assert (found["compound"], found["cancelled_pairs"], found["cancelled_persistence"]) == (0, 1, 4.0)
+        assert failures(found) == [] and found["verdict"] == verdict
     assert certificate(*run(towers, [0, 0, 1], {"refine": "exact", "distance": 1.0}))["verdict"] == "exact"
 
 
@@ -168,7 +172,7 @@ def another(value, field):
     return 0 if pa.types.is_integer(field.type) else 0.5 if pa.types.is_floating(field.type) else "->o"
 
 
-COLUMNS = [(name, field.name) for name in TABLES for field in SCHEMAS[name] if (name, field.name) not in FREE]
+COLUMNS = [(name, field.name) for name in TABLES for field in SCHEMAS[name]]
 
 
 @pytest.mark.parametrize("name, column", COLUMNS)
@@ -307,14 +311,67 @@ def hide_genus(tables):
     return alter(tables, "pieces", change)
 
 
+def swap_reasons(tables):
+    """A uniform level called refined, and the refined one next to it uniform."""
+
+    def change(rows):
+        place = next(k for k in range(len(rows) - 1) if {r["why"] for r in rows[k : k + 2]} == {"uniform", "refined"})
+        rows[place]["why"], rows[place + 1]["why"] = rows[place + 1]["why"], rows[place]["why"]
+
+    return alter(tables, "levels", change)
+
+
+def adopt_shell(tables):
+    """A body outside of all others put into one of them."""
+
+    def change(rows):
+        one, two = [r for r in rows if r["parent"] is None][:2]
+        one["parent"] = two["shell"]
+
+    return alter(tables, "shells", change)
+
+
+def free_shell(tables):
+    return alter(tables, "shells", lambda rows: next(r for r in rows if r["void"]).update(parent=None))
+
+
+def bound_elsewhere(tables):
+    """A void's wall said to bound the solid beside it, in both graphs alike."""
+    inner = {r["contour"] for r in tables["contours"].to_pylist() if r["inner"]}
+
+    def change(rows):
+        wall = next(r for r in rows if r["graph"] == "surface" and r["nodes"][0] in inner)
+        other = next(r for r in rows if r["graph"] == "solid" and wall["arc"] not in r["bounds"])
+        other["bounds"] = other["bounds"] + [wall["arc"]]
+        wall["bounds"] = sorted(wall["bounds"] + [other["arc"]])
+
+    return alter(tables, "arcs", change)
+
+
 @pytest.mark.parametrize(
     "mutate",
-    [drop_edge, swap_links, swap_pieces, flip_hole, give_hole_away, shift_level, move_handle, move_node, add_arc,
+    [swap_reasons, adopt_shell, free_shell, bound_elsewhere,
+     drop_edge, swap_links, swap_pieces, flip_hole, give_hole_away, shift_level, move_handle, move_node, add_arc,
      merge_contours, turn_surface, hide_genus],
 )  # fmt: skip
 def test_consistent_lies_are_caught(mutate):
     tables, tilt, graphs = results("mixture")
     assert caught(mutate(tables), tilt, graphs)
+
+
+def test_bounds_of_an_arc_between_two_levels_are_held_against_its_events():
+    tables, tilt, graphs = run(winding_voids(), [0.31, 0.23, 0.92], {})
+    assert failures(certificate(tables, tilt, graphs)) == []
+    arcs = tables["arcs"].to_pylist()
+    (solid, wall) = next((r["arc"], r["bounds"][1]) for r in arcs if not r["nodes"] and len(r["bounds"]) > 1)
+
+    def change(rows):
+        for graph, arc, other in (("solid", solid, wall), ("surface", wall, solid)):
+            row = next(r for r in rows if (r["graph"], r["arc"]) == (graph, arc))
+            row["bounds"] = [k for k in row["bounds"] if k != other]
+
+    found = certificate(alter(tables, "arcs", change), tilt, graphs)
+    assert "arcs.solid.bounds" in failures(found)
 
 
 @pytest.mark.parametrize("name", GRAPHS)
@@ -388,5 +445,5 @@ def test_links_of_a_heuristic_are_not_certified():
 
 
 def test_a_gap_between_levels_is_caught():
-    found = certify(*results("mixture"), feature_size=0.2, distance=1e-3)
+    found = certify(*results("mixture"), feature_size=SIZE, distance=1e-3)
     assert failures(found) == ["largest_gap_between_levels"]

@@ -2,7 +2,6 @@
 
 import networkx as nx
 import numpy as np
-import pyarrow as pa
 import pytest
 import solids
 from hypothesis import given, settings
@@ -182,13 +181,6 @@ def test_a_node_of_several_handles_is_ringed():
     for axes in draw_graph(graph).axes:
         rings = [line for line in axes.lines if line.get_gid() == "several"]
         assert [len(ring.get_xdata()) for ring in rings] == [1]
-
-
-def test_handles_without_a_node_of_their_own_are_counted_at_their_block():
-    handles = pa.table({"handle": [0, 1, 2, 3], "block": [7, 8, 8, 9]})
-    graph = nx.MultiGraph()
-    graph.add_nodes_from((f"h{i}", {"handle": i}) for i in (0, 1, 3))
-    assert dict(draw.count_handles(graph, handles).nodes(data="n_handles")) == {"h0": 1, "h1": 2, "h3": 1}
 
 
 @pytest.mark.parametrize("count", [0, 1])

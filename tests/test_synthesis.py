@@ -11,6 +11,7 @@ import solids
 from reebslice.graphs import loops, trace_arcs
 from reebslice.nodes import inscribed_points, steady_points
 from reebslice.parts import Parts, linked_parts
+from reebslice.schemas import GRAPHS
 from reebslice.similarity import boolean_similarity, link_by_proximity, link_by_similarity
 from reebslice.tilts import candidate_directions, height_rounding, rotation_to_vertical, select_tilt
 
@@ -66,16 +67,72 @@ def test_boolean_similarity_of_boxes():
     )
 
 
+def stack(*levels, distance=1.0):
+    """Level, height and shape of every region of a stack of lists of polygons."""
+    level = np.repeat(np.arange(len(levels)), [len(shapes) for shapes in levels])
+    return level, distance * level, np.array([shape for shapes in levels for shape in shapes], object)
+
+
 def test_similarity_links_pairs_joins_and_splits():
-    assert link_by_similarity([box(0, 0, 1), box(5, 0, 1)], [box(0.2, 0, 1), box(5.2, 0, 1)]) == [(0, 0), (1, 1)]
-    assert link_by_similarity([box(0, 0, 1), box(1.1, 0, 1)], [box(0, 0, 2.1)]) == [(0, 0), (1, 0)]
-    assert link_by_similarity([box(0, 0, 2.1)], [box(0, 0, 1), box(1.1, 0, 1)]) == [(0, 0), (0, 1)]
-    assert link_by_similarity([box(0, 0, 1)], [box(3, 0, 1)]) == link_by_similarity([box(0, 0, 1)], []) == []
+    assert link_by_similarity(*stack([box(0, 0, 1), box(5, 0, 1)], [box(0.2, 0, 1), box(5.2, 0, 1)])) == [(0, 2), (1, 3)]
+    assert link_by_similarity(*stack([box(0, 0, 1), box(1.1, 0, 1)], [box(0, 0, 2.1)])) == [(0, 2), (1, 2)]
+    assert link_by_similarity(*stack([box(0, 0, 2.1)], [box(0, 0, 1), box(1.1, 0, 1)])) == [(0, 1), (0, 2)]
+    assert link_by_similarity(*stack([box(0, 0, 1)], [box(3, 0, 1)])) == link_by_similarity(*stack([box(0, 0, 1)])) == []
+
+
+def test_similarity_prefers_the_most_similar():
+    # neighbours that both drift: each overlaps what the other becomes, by a little or by a lot
+    assert link_by_similarity(*stack([box(0, 0, 1), box(1, 0, 1)], [box(0.3, 0, 1), box(1.3, 0, 1)])) == [(0, 2), (1, 3)]
+    # bodies that overlap one another go on separately
+    big, small = box(0, 0, 4, 4), box(3, 3, 2, 2)
+    assert link_by_similarity(*stack([big, small], [big, small])) == [(0, 2), (1, 3)]
+
+
+def test_similarity_links_all_of_what_hangs_together():
+    # the left one goes on and gives off most of what the right one joins
+    low = [box(0, 0, 3), box(5, 0, 0.5)]
+    high = [box(0, 0, 1.8), box(2, 0, 4)]
+    assert link_by_similarity(*stack(low, high)) == [(0, 2), (0, 3), (1, 2), (1, 3)]
+
+
+def test_similarity_pairs_slivers_by_distance_and_never_large_neighbours():
+    lean = [box(0, 0, 0.1)], [box(0.5, 0, 0.1)]
+    assert link_by_similarity(*stack(*lean, distance=1.0)) == [(0, 1)]
+    assert link_by_similarity(*stack(*lean, distance=0.5)) == []
+    # the nearer of two without a partner; one that has a partner is not asked
+    assert link_by_similarity(*stack([box(0, 0, 0.1), box(0.3, 0, 0.1)], [box(0.7, 0, 0.1)])) == [(1, 2)]
+    assert link_by_similarity(*stack([box(0, 0, 1)], [box(0, 0, 1), box(1.1, 0, 1)])) == [(0, 1)]
+
+
+@pytest.mark.parametrize("rule", [link_by_similarity, link_by_proximity])
+def test_links_do_not_depend_on_place_scale_or_what_is_up(rule):
+    random = np.random.default_rng(5)
+    shapes = [[box(*random.uniform(0, 10, 2), *random.uniform(0.2, 3, 2)) for _ in range(6)] for _ in range(8)]
+    level, height, flat = stack(*shapes, distance=0.4)
+    links = rule(level, height, flat)
+    assert len(links) > 10
+    moved = shapely.transform(flat, lambda xy: 8 * xy + [64, -32])
+    assert rule(level, 8 * height + 16, moved) == links
+    turned = rule(level[::-1].max() - level[::-1], -height[::-1], flat[::-1])
+    assert sorted((len(level) - 1 - high, len(level) - 1 - low) for low, high in turned) == links
+    # a slab's links are its own affair
+    for k in range(7):
+        alone = rule(*stack(shapes[k], shapes[k + 1], distance=0.4))
+        assert [(low + 6 * k, high + 6 * k) for low, high in alone] == [pair for pair in links if level[pair[0]] == k]
+
+
+@pytest.mark.parametrize("rule", [link_by_similarity, link_by_proximity])
+def test_rules_pass_over_empty_shapes_and_levels(rule):
+    level, height, shapes = stack([box(0, 0, 1), shapely.Polygon()], [shapely.Polygon(), box(0, 0, 1)], [box(0, 0, 1)])
+    assert rule(level, height, shapes) == [(0, 3), (3, 4)]
+    assert rule(np.where(level == 2, 3, level), height, shapes) == [(0, 3)]
+    assert rule(level[:2], height[:2], np.full(2, shapely.Polygon(), object)) == []
+    assert rule(level[:0], height[:0], shapes[:0]) == []
 
 
 def test_proximity_links_the_nearest_centroid_whatever_its_shape():
-    assert link_by_proximity([box(0, 0, 1)], [box(3, 0, 1)]) == [(0, 0)]
-    assert link_by_proximity([box(0, 0, 1), box(4, 0, 1)], [box(0.5, 0, 1), box(4, 0, 1)]) == [(0, 0), (1, 1)]
+    assert link_by_proximity(*stack([box(0, 0, 1)], [box(3, 0, 1)])) == [(0, 1)]
+    assert link_by_proximity(*stack([box(0, 0, 1), box(4, 0, 1)], [box(0.5, 0, 1), box(4, 0, 1)])) == [(0, 2), (1, 3)]
 
 
 def test_linked_parts_of_a_fork():
@@ -159,7 +216,7 @@ def test_the_augmented_graph_subdivides_the_solid_graph(tmp_path):
 
 
 @pytest.mark.filterwarnings("ignore:Could not add edge ids")  # it keeps the attribute, as it should
-@pytest.mark.parametrize("name", ["solid", "surface", "augmented"])
+@pytest.mark.parametrize("name", GRAPHS)
 def test_igraph_reads_the_same_multigraph(tmp_path, name):
     result = run_stages(solids.torus(upright=True), tmp_path, levels={"distance": 0.2})
     graph, read = result.graphs[name], igraph.Graph.Read_GraphML(str(tmp_path / f"{name}.graphml"))

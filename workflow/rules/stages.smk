@@ -69,7 +69,8 @@ rule slice_mesh:
 
 
 # Finds the Morse event in every piece that has one, and its handle operation.
-# Writes handles.
+# Writes handles; the exact Reeb graph of the surface, critical_points and critical_arcs; and
+# in sampling.json how densely levels must lie to show all of it.
 rule classify_handles:
     input:
         status="results/status/slice_mesh/{batch}.parquet",
@@ -109,14 +110,14 @@ rule sample_nodes:
 
 
 # Links the material points of consecutive levels into both Reeb graphs.
-# Writes edges, arcs, and the graphs solid, surface and augmented.
+# Writes edges, arcs, and the graphs solid, surface and augmented, the first two simplified as well.
 rule synthesize_edges:
     input:
         status="results/status/sample_nodes/{batch}.parquet",
     output:
         status="results/status/synthesize_edges/{batch}.parquet",
     params:
-        options=config["edges"],
+        options=config["edges"] | {"levels": config["levels"]},
         code=CODE["synthesize_edges"],
     log:
         "results/logs/synthesize_edges/{batch}.log",

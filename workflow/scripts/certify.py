@@ -11,7 +11,7 @@ import numpy as np
 
 from batches import run_batch
 from reebslice.certification.certificates import certify
-from reebslice.schemas import SCHEMAS
+from reebslice.schemas import GRAPHS, MODEL_TABLES
 from storage import read_json, read_table, write_json
 
 OUTPUTS = ("certificate.json",)
@@ -20,12 +20,9 @@ OUTPUTS = ("certificate.json",)
 def main(source, target, options):
     """Certify the model in folder `source`; write the certificate to folder `target`."""
     source = Path(source)
-    tables = {name: read_table(source / f"{name}.parquet", name) for name in SCHEMAS}
+    tables = {name: read_table(source / f"{name}.parquet", name) for name in MODEL_TABLES}
     tilt = read_json(source / "tilt.json")
-    graphs = {
-        name: nx.read_graphml(source / f"{name}.graphml", force_multigraph=True)
-        for name in ("solid", "surface", "augmented")
-    }
+    graphs = {name: nx.read_graphml(source / f"{name}.graphml", force_multigraph=True) for name in GRAPHS}
     size, distance = mesh_lengths(tables["vertices"], tilt, options)
     write_json(Path(target) / "certificate.json", certify(tables, tilt, graphs, size, distance))
 

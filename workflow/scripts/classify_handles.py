@@ -1,19 +1,27 @@
-"""Classify the Morse events between the levels: `handles`."""
+"""Classify the Morse events between the levels: `handles`; and what the surface has whatever the levels."""
 
 from batches import run_batch
-from reebslice.handles import classify_handles
-from storage import read_table, write_table
+from reebslice.handles import classify_handles, critical_tables
+from reebslice.reeb import surface_reeb_graph
+from reebslice.sampling import sampling_figures
+from storage import read_table, write_json, write_table
 from surfaces import read_height_mesh, read_points
 
-OUTPUTS = ("handles.parquet",)
+OUTPUTS = ("handles.parquet", "critical_points.parquet", "critical_arcs.parquet", "sampling.json")
 
 
 def main(source, target, options):
     """Classify the events of the model in folder `source`, write them to folder `target`."""
     pieces = read_table(source / "pieces.parquet", "pieces")
     contours = read_table(source / "contours.parquet", "contours")
-    handles = classify_handles(read_height_mesh(source), read_points(source), pieces, contours)
+    mesh = read_height_mesh(source)
+    graph = surface_reeb_graph(mesh)
+    handles = classify_handles(mesh, graph, read_points(source), pieces, contours)
     write_table(target / "handles.parquet", "handles", handles)
+    critical_points, critical_arcs = critical_tables(mesh, graph, handles)
+    write_table(target / "critical_points.parquet", "critical_points", critical_points)
+    write_table(target / "critical_arcs.parquet", "critical_arcs", critical_arcs)
+    write_json(target / "sampling.json", sampling_figures(critical_arcs))
 
 
 if "snakemake" in globals():

@@ -16,7 +16,7 @@ import pyarrow.parquet as pq
 from batches import MODELS_FOLDER, STAGES, print_into, read_status
 from storage import read_json, write_parquet
 
-FIGURES = ("inspection.json", "certificate.json")  # of one name, the later file's figure counts
+FIGURES = ("inspection.json", "sampling.json", "certificate.json")  # of one name, the later file's figure counts
 FIRST = ("model", "path", "status", "reason", "verdict")
 LONGEST = 8  # entries of a group or list that is spread over columns
 

@@ -4,8 +4,6 @@ After figure 6 of Pareja-Corcho et al. (see reebslice.pictures). The bytes of
 the picture depend on the results alone: no dates, no program versions.
 """
 
-from collections import Counter
-
 import networkx as nx
 import numpy as np
 import shapely
@@ -32,7 +30,7 @@ def main(source, target, options):
         points=tilt_points(stack_columns(vertices, "xyz"), rotation),
         faces=stack_columns(faces, "abc"),
         rotation=rotation,
-        graph=count_handles(graph, read_table(source / "handles.parquet", "handles")),
+        graph=graph,
         paths=trace_solid_arcs(
             read_table(source / "arcs.parquet", "arcs"), read_table(source / "nodes.parquet", "nodes")
         ),
@@ -55,16 +53,6 @@ def list_facts(certificate, n_faces, n_levels):
     facts = [f"{count:,} {one if count == 1 else many}" for count, one, many in counts if isinstance(count, int)]
     genus = certificate.get("genus")
     return facts[:1] + ([f"genus {genus}"] if genus is not None else []) + facts[1:]
-
-
-def count_handles(graph, handles):
-    """The graph with `n_handles` on every node: more than 1 where it stands for all handles of a block."""
-    block = dict(zip(handles["handle"].to_pylist(), handles["block"].to_pylist(), strict=True))
-    own = {facts["handle"] for _, facts in graph.nodes(data=True)}
-    others = Counter(block[handle] for handle in block if handle not in own)
-    counts = {node: 1 + others[block[facts["handle"]]] for node, facts in graph.nodes(data=True)}
-    nx.set_node_attributes(graph, counts, "n_handles")
-    return graph
 
 
 def tilt_points(points, rotation):

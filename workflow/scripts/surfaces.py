@@ -3,7 +3,8 @@
 import numpy as np
 
 from reebslice.critical import unfold_saddles
-from reebslice.heightmesh import order_by_height
+from reebslice.heightmesh import order_by_height, tilt_points
+from reebslice.levels import feature_scale
 from storage import read_json, read_table
 
 
@@ -27,6 +28,12 @@ def read_rotation(folder):
 def read_height_mesh(folder):
     """The surface of the model in `folder` in its tilted frame, saddles unfolded."""
     return unfold_saddles(order_by_height(read_points(folder), read_faces(folder), read_rotation(folder)))
+
+
+def read_feature_size(folder, options):
+    """The feature size of the model in `folder`, mesh units, by the options of `levels`."""
+    height = tilt_points(read_points(folder), read_rotation(folder))[:, 2]
+    return feature_scale(np.ptp(height), **options)[1]
 
 
 def vertex_bodies(folder, mesh):

@@ -5,7 +5,9 @@ import itertools
 import networkx as nx
 import numpy as np
 
-JOINT_COLUMNS = ("handle", "x", "y", "z", "height", "index", "side", "operation", "change", "branches")
+from .simplification import simplify_graph
+
+JOINT_COLUMNS = ("handle", "x", "y", "z", "height", "index", "side", "operation", "change", "branches", "n_handles")
 POINT_COLUMNS = ("node", "level", "region", "x", "y", "z", "height", "critical", "area", "inscribed_radius", "n_holes")
 
 
@@ -34,7 +36,8 @@ def trace_arcs(parts):
                 nodes.append(parts.above[following][0])
                 following = part_above[nodes[-1]]
             target = joints[following][0]
-            arcs.append({"source": inside[-1], "target": target, "nodes": nodes, "through": through, "between": (part, following)})
+            between = part, following
+            arcs.append({"source": inside[-1], "target": target, "nodes": nodes, "through": through, "between": between})
     for arc in arcs:
         ends[list(arc["between"])] += 1 if arc["between"][0] != arc["between"][1] else 2
     for arc in arcs:
@@ -43,12 +46,44 @@ def trace_arcs(parts):
     return sorted(arcs, key=lambda arc: (arc["source"], arc["target"], arc["nodes"]))
 
 
-def arc_columns(arcs, graph, joints, points, similarity):
+def bounding_arcs(parts, solid, surface, region, inner):
+    """Which surface arcs bound which arc of the solid: two lists of lists of arc numbers.
+
+    parts : the solid's; solid, surface : its arcs and those of the surface, as
+    :func:`trace_arcs` lists them; region, inner : (C,) of the contours. The
+    first list has the surface arcs around each solid arc, outer ones before
+    holes; the second, the solid arcs within each surface arc, upward.
+
+    An arc of the solid keeps its surface arcs all along, because nothing
+    happens on it. One without nodes lies between two events of a chain, and
+    has those surface arcs of the regions next to the chain that pass it.
+    """
+    arc_of = {contour: number for number, arc in enumerate(surface) for contour in arc["nodes"]}
+    walls = [set() for _ in range(max(region, default=-1) + 1)]
+    for contour, place in enumerate(region):
+        walls[place].add(arc_of[contour])
+    near = {}
+    for lower, upper, joints in zip(parts.below, parts.above, parts.joints):
+        if len(joints) > 1:
+            near |= dict.fromkeys(zip(joints[:-1], joints[1:]), walls[lower[0]] | walls[upper[0]])
+    of_solid, of_surface = [], [[] for _ in surface]
+    for number, arc in enumerate(solid):
+        low, high = arc["source"], arc["target"]
+        around = set().union(*(walls[node] for node in arc["nodes"])) if arc["nodes"] else near[low, high]
+        if not arc["nodes"]:
+            around = {k for k in around if surface[k]["source"] <= low and high <= surface[k]["target"]}
+        of_solid.append(sorted(around, key=lambda k: (inner[surface[k]["nodes"][0]], k)))
+        for k in of_solid[-1]:
+            of_surface[k].append(number)
+    return of_solid, of_surface
+
+
+def arc_columns(arcs, graph, joints, points, similarity, bounds):
     """The arcs of one graph ("solid" or "surface") as columns of the table `arcs`.
 
     joints : {id: row with x, y, z, height}; points : (R, 3) positions of the
     items, same frame as the joints; similarity : {(item, item): value}, empty
-    where there is none.
+    where there is none; bounds : of each arc, those of the other graph.
     """
     measure = [None if np.isnan(arc["measure"]) else arc["measure"] for arc in arcs]
     pairs = [list(zip(arc["nodes"][:-1], arc["nodes"][1:])) for arc in arcs]
@@ -63,6 +98,7 @@ def arc_columns(arcs, graph, joints, points, similarity):
         "volume": measure if graph == "solid" else [None] * len(arcs),
         "area": measure if graph == "surface" else [None] * len(arcs),
         "nodes": [arc["nodes"] for arc in arcs],
+        "bounds": bounds,
         "similarity_min": [min((similarity[p] for p in path if p in similarity), default=None) for path in pairs],
     }
 
@@ -89,6 +125,43 @@ def reeb_graph(arcs, joints, attributes, prefix):
         ends = joint_name(row["source"]), joint_name(row["target"])
         graph.add_edge(*ends, key=f"{prefix}{row['arc']}", id=f"{prefix}{row['arc']}", **_scalars(row, attributes))
     return graph
+
+
+def simplified_graph(arcs, joints, measure, size, prefix):
+    """A Reeb graph without its features below a size, as a MultiGraph.
+
+    arcs, joints, prefix : as for :func:`reeb_graph`; measure : the column,
+    "volume" or "area", whose sum over each component stays; size : mesh units,
+    all pairs of the graph's extended persistence below it are cancelled, and
+    components of less height are left out. A joint that does not branch, or that no arc meets,
+    stays if its own persistence is not below the size.
+    """
+    order = sorted(joints, key=lambda number: (joints[number]["height"], number))
+    place = {number: k for k, number in enumerate(order)}
+    ends = [(place[row["source"]], place[row["target"]]) for row in arcs]
+    kept = [place[number] for number, row in joints.items() if (row.get("persistence") or 0.0) >= size]
+    heights = [joints[number]["height"] for number in order]
+    left, measures = simplify_graph(heights, ends, [row[measure] or 0.0 for row in arcs], size, kept)
+    rows = [
+        {"source": order[low], "target": order[high], "lower": heights[low], "upper": heights[high], measure: m}
+        for (low, high), m in zip(left.tolist(), measures.tolist())
+    ]
+    lonely = set(joints).difference(*((row["source"], row["target"]) for row in arcs))
+    rows = drop_small_components(rows, size)
+    shown = lonely.intersection(order[k] for k in kept).union(*((row["source"], row["target"]) for row in rows))
+    return reeb_graph(rows, {number: joints[number] for number in shown}, ("arc", "lower", "upper", measure), prefix)
+
+
+def drop_small_components(arcs, size):
+    """Of a graph's arcs, dicts with source, target, lower, upper, those of components at least `size` high."""
+    graph = nx.Graph((row["source"], row["target"]) for row in arcs)
+    part = {node: k for k, nodes in enumerate(nx.connected_components(graph)) for node in nodes}
+    low, high = {}, {}
+    for row in arcs:
+        k = part[row["source"]]
+        low[k], high[k] = min(low.get(k, np.inf), row["lower"]), max(high.get(k, -np.inf), row["upper"])
+    left = [row for row in arcs if high[part[row["source"]]] - low[part[row["source"]]] >= size]
+    return [row | {"arc": number} for number, row in enumerate(left)]
 
 
 def augmented_graph(parts, joints, nodes, edges):

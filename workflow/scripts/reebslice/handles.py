@@ -4,14 +4,14 @@ import numpy as np
 
 from .blocks import block_regions
 from .critical import link_areas, morse_indices, saddle_contours
-from .pairing import critical_persistence
 from .schemas import EVENTS, build_table
 
 
-def classify_handles(mesh, points, pieces, contours):
+def classify_handles(mesh, graph, points, pieces, contours):
     """The table `handles` from the unfolded mesh and the tables of its slices.
 
-    points : (n, 3) surface vertices, model frame.
+    graph : the mesh's :class:`reeb.ReebGraph`; points : (n, 3) surface
+    vertices, model frame.
 
     Every essential critical point of every piece is a handle. Where the piece
     is elementary, its contours below and above name the event (`change`), and
@@ -20,7 +20,8 @@ def classify_handles(mesh, points, pieces, contours):
     """
     rows = _handle_rows(pieces, contours)
     ranks = np.array([row["rank"] for row in rows], np.int32)
-    persistence = critical_persistence(mesh)[ranks]
+    critical = np.searchsorted(graph.nodes, ranks)
+    partner = graph.nodes[graph.partner[critical]]
     index = morse_indices(mesh, ranks)
     side, operation = local_event(mesh, ranks, index)
     columns = {name: [row[name] for row in rows] for name in rows[0]}
@@ -34,9 +35,40 @@ def classify_handles(mesh, points, pieces, contours):
         "side": [event[0] if event else local for event, local in zip(events, side)],
         "operation": [event[5] if event else local for event, local in zip(events, operation)],
         "branches": [event is None or event[4] != 0 for event in events],
-        "persistence": [value if np.isfinite(value) else None for value in persistence.tolist()],
+        "persistence": np.abs(mesh.points[ranks, 2] - mesh.points[partner, 2]),
+        "pair": _positions(ranks, partner),
     }
     return build_table("handles", columns)
+
+
+def critical_tables(mesh, graph, handles):
+    """The tables `critical_points` and `critical_arcs` of the mesh's :class:`reeb.ReebGraph`."""
+    height, index = mesh.points[graph.nodes, 2], morse_indices(mesh, graph.nodes)
+    lower, upper = np.minimum(index, index[graph.partner]), np.maximum(index, index[graph.partner])
+    pairing = np.select([upper == 1, lower == 1], [np.where(lower == 0, "ordinary", "loop"), "relative"], "extended")
+    points = {
+        "critical": np.arange(len(graph.nodes)),
+        "vertex": mesh.vertex[graph.nodes],
+        "rank": graph.nodes,
+        "height": height,
+        "index": index,
+        "partner": graph.partner,
+        "pairing": pairing.tolist(),
+        "persistence": np.abs(height - height[graph.partner]),
+        "handle": _positions(handles["rank"].to_numpy(), graph.nodes),
+    }
+    arcs = {
+        "arc": np.arange(len(graph.arcs)),
+        **dict(zip(("source", "target"), graph.arcs.T)),
+        **dict(zip(("lower", "upper"), height[graph.arcs].T)),
+    }
+    return build_table("critical_points", points), build_table("critical_arcs", arcs)
+
+
+def _positions(ranks, wanted):
+    """The place of each wanted rank in ascending `ranks`, None where it is not there."""
+    place = np.minimum(np.searchsorted(ranks, wanted), len(ranks) - 1)
+    return [p if there else None for p, there in zip(place.tolist(), (ranks[place] == wanted).tolist())]
 
 
 def _handle_rows(pieces, contours):
@@ -70,7 +102,8 @@ def name_change(inner_below, inner_above):
 
     inner_below, inner_above : bool arrays, True for holes.
     """
-    return "->".join(",".join(["i"] * int(sum(end)) + ["o"] * int(len(end) - sum(end))) for end in (inner_below, inner_above))
+    ends = (["i"] * int(sum(end)) + ["o"] * int(len(end) - sum(end)) for end in (inner_below, inner_above))
+    return "->".join(map(",".join, ends))
 
 
 def local_event(mesh, ranks, index):

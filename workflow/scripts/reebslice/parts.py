@@ -37,26 +37,35 @@ def solid_parts(pieces, contours, handles):
 
     Events that leave the number of regions alone form a chain where a block
     has one region below and one above; any other block that holds events is
-    one joint, named after the lowest of them.
+    one joint, named after the most persistent of them (the lowest such), so
+    that an event keeps its node whatever noise shares its block.
     """
     below, above = block_regions(pieces, contours)
     block, slab = pieces["block"].to_numpy(), np.empty(len(below), np.int32)
     slab[block] = pieces["slab"].to_numpy()
     events = [[] for _ in below]
+    persistence = handles["persistence"].to_pylist()
     for row in zip(*(handles[name].to_pylist() for name in ("handle", "block", "change"))):
         events[row[1]].append((row[0], row[2]))
     joints = []
     for lower, upper, inside in zip(below, above, events):
         chain = len(lower) == len(upper) == 1 and all(EVENTS[c][4] == 0 if c else False for _, c in inside)
-        joints.append([handle for handle, _ in (inside if chain else inside[:1])])
+        numbers = [handle for handle, _ in inside]
+        joints.append(numbers if chain else most_persistent(numbers, persistence))
     return Parts(below, above, joints, slab.tolist(), np.bincount(block, pieces["flux"].to_numpy(), len(below)))
 
 
+def most_persistent(numbers, persistence):
+    """Of ascending handle ids the one with the largest persistence, the first such, as a list; [] of none."""
+    return [max(numbers, key=persistence.__getitem__)] if numbers else []
+
+
 def surface_parts(pieces, handles):
-    """The pieces of the surface as :class:`Parts` over contours, one joint a piece."""
-    joints = [[] for _ in range(len(pieces))]
+    """The pieces of the surface as :class:`Parts` over contours, one joint a piece, the most persistent."""
+    events, persistence = [[] for _ in range(len(pieces))], handles["persistence"].to_pylist()
     for handle, piece in zip(handles["handle"].to_pylist(), handles["piece"].to_pylist()):
-        joints[piece] = joints[piece] or [handle]
+        events[piece].append(handle)
+    joints = [most_persistent(inside, persistence) for inside in events]
     columns = (pieces[name].to_pylist() for name in ("below", "above"))
     return Parts(*columns, joints, pieces["slab"].to_pylist(), pieces["area"].to_numpy())
 

@@ -75,13 +75,7 @@ def draw_model(name, facts, verdict, points, faces, rotation, graph, paths, curv
     azimuth, elevation = options.get("azimuth"), float(options.get("elevation", 15))
     azimuth = widest_azimuth(points, faces, elevation) if azimuth is None else float(azimuth)
     view, body, flat = _arrange(figure, points, azimuth, elevation)
-    marks = [(key, graph.nodes[key]) for key in graph.nodes]
-    places = np.array([[mark["x"], mark["y"], mark["z"]] for _, mark in marks], float).reshape(-1, 3)
-    seen = project_points(places @ rotation.T, view)
-    traces = _trace_paths(graph, marks, places, rotation, paths, view)
-    _draw_body(body, points, faces, view, curves)
-    _draw_traces(body, traces)
-    _draw_marks(body, marks, seen[:, :2])
+    marks, seen, traces = draw_in_body(body, view, points, faces, rotation, graph, paths, curves)
     _draw_frame(body, view, rotation)
     _draw_flat(flat, graph, marks, seen, traces)
     _write_title(figure, name, facts, verdict)
@@ -106,6 +100,23 @@ def _arrange(figure, points, azimuth, elevation):
 
 # --------------------------------------------------------------------------
 # Left: the body
+
+
+def draw_in_body(axes, view, points, faces, rotation, graph, paths, curves=(), labels=True):
+    """Draw the surface and its graph inside, seen in `view`, as on the left of :func:`draw_model`.
+
+    Arguments as there; labels : whether the handles of few nodes are numbered.
+    Returns the nodes with their attributes, their places (k, 3) in the view and the
+    lines of the arcs.
+    """
+    marks = [(key, graph.nodes[key]) for key in graph.nodes]
+    places = np.array([[mark["x"], mark["y"], mark["z"]] for _, mark in marks], float).reshape(-1, 3)
+    seen = project_points(places @ rotation.T, view)
+    traces = _trace_paths(graph, marks, places, rotation, paths, view)
+    _draw_body(axes, points, faces, view, curves)
+    _draw_traces(axes, traces)
+    _draw_marks(axes, marks, seen[:, :2], labels)
+    return marks, seen, traces
 
 
 def _draw_body(axes, points, faces, view, curves):
@@ -225,7 +236,7 @@ def _mark_size(count):
     return float(np.clip(26 / max(count, 1) ** 0.36, 1.6, 8.0))
 
 
-def _draw_marks(axes, marks, spots):
+def _draw_marks(axes, marks, spots, labels=True):
     """The nodes, one artist per operation and side; their handles' numbers if they are few."""
     size = _mark_size(len(marks))
     for operation, (shape, colour) in MARKS.items():
@@ -237,7 +248,7 @@ def _draw_marks(axes, marks, spots):
     several = [i for i, (_, mark) in enumerate(marks) if mark.get("n_handles", 1) > 1]
     if several:
         axes.plot(*spots[several].T, linestyle="", clip_on=False, zorder=5.9, gid="several", **_ring_style(size))
-    if len(marks) <= LABELS:
+    if labels and len(marks) <= LABELS:
         for (_, mark), (x, y) in zip(marks, spots, strict=True):
             axes.annotate(str(mark.get("handle", "")), (x, y), (4.2, 2.6), textcoords="offset points", color=SOFT,
                           fontsize=6.5, va="bottom", ha="left", zorder=7, path_effects=HALO)  # fmt: skip

@@ -15,6 +15,8 @@ FORMAT_VERSION = "1"
 
 PIECE_KINDS = ("cylinder", "birth", "death", "join", "split", "compound", "unseen")
 OPERATIONS = ("creation", "union", "separation", "annihilation")
+GRAPHS = ("solid", "surface", "augmented", "solid_simplified", "surface_simplified")
+PAIRINGS = ("ordinary", "relative", "loop", "extended")
 VERDICTS = ("exact", "exact_at_feature_size", "uncertified", "rejected")
 
 # change: (side, index, outer, inner, regions, operation); the last four
@@ -146,8 +148,10 @@ SCHEMAS = {
     # One row per Morse event, in order of height; `vertex` is the surface
     # vertex, `rank` its place among all vertices once multiple saddles are
     # unfolded. `regions_below`, `regions_above`: those of the block.
-    # `branches`: the event changes the number of regions. `persistence`: null
-    # for a saddle of a loop. `resolved`: the piece is elementary.
+    # `branches`: the event changes the number of regions. `persistence`: the
+    # height between the two members of its pair (table `critical_points`);
+    # `pair`: the other one, null where that is no handle because it cancels
+    # inside a slab. `resolved`: the piece is elementary.
     "handles": _table(
         "handle",
         _field("handle", _INT),
@@ -169,8 +173,38 @@ SCHEMAS = {
         _field("regions_below", _INTS),
         _field("regions_above", _INTS),
         _field("branches", _FLAG),
-        _field("persistence", _REAL, "mesh", null=True),
+        _field("persistence", _REAL, "mesh"),
+        _field("pair", _INT, null=True),
         _field("resolved", _FLAG),
+    ),
+    # The exact Reeb graph of the surface, whatever the levels: every critical
+    # point once multiple saddles are unfolded, in order of height, with its
+    # partner by extended persistence. `pairing`: `ordinary`, a component of a
+    # sublevel set between its minimum and the union that ends it; `relative`,
+    # one of a superlevel set between separation and maximum; `loop`, between
+    # the separation at its bottom and the union at its top; `extended`, the
+    # lowest and the highest point of a shell. `handle`: null where the critical
+    # point cancels inside a slab.
+    "critical_points": _table(
+        "critical",
+        _field("critical", _INT),
+        _field("vertex", _INT),
+        _field("rank", _INT),
+        _field("height", _REAL, "mesh"),
+        _field("index", _INT),
+        _field("partner", _INT),
+        _field("pairing", _TEXT),
+        _field("persistence", _REAL, "mesh"),
+        _field("handle", _INT, null=True),
+    ),
+    # Its arcs; `source`, `target`: critical points, the lower first.
+    "critical_arcs": _table(
+        "arc",
+        _field("arc", _INT),
+        _field("source", _INT),
+        _field("target", _INT),
+        _field("lower", _REAL, "mesh"),
+        _field("upper", _REAL, "mesh"),
     ),
     # One material point per region per level; node id == region id.
     "nodes": _table(
@@ -205,7 +239,9 @@ SCHEMAS = {
         _field("method", _TEXT),
     ),
     # Edges of the Reeb graphs. `source`, `target`: handles, the lower first.
-    # `nodes`: region ids (solid) or contour ids (surface), upward.
+    # `nodes`: region ids (solid) or contour ids (surface), upward. `bounds`: arcs
+    # of the other graph: for an arc of the solid the surface arcs around it, the
+    # outer one first; for a surface arc the solid arcs it lies around, upward.
     "arcs": _table(
         "graph, arc",
         _field("arc", _INT),
@@ -218,9 +254,37 @@ SCHEMAS = {
         _field("volume", _REAL, "mesh^3", null=True),
         _field("area", _REAL, "mesh^2", null=True),
         _field("nodes", _INTS),
+        _field("bounds", _INTS),
         _field("similarity_min", _REAL, null=True),
     ),
+    # Links guessed from shapes, held against those of the mesh: one row per
+    # model, tilt, number of levels, rule and kind of event; kind `all` counts
+    # every block once. `half`: what is tuned is tuned on the one half of the
+    # models and told of the other. `blocks`, `slabs`: those in which the kind
+    # occurs, and how many of them have neither a missed nor a false link;
+    # `loops`, `loops_found`: of the solid graph by either links, of kind `all`.
+    "comparison": _table(
+        "model, tilt, n_levels, method, kind",
+        _field("model", _TEXT),
+        _field("half", _TEXT),
+        _field("tilt", _TEXT),
+        _field("n_levels", _INT),
+        _field("method", _TEXT),
+        _field("kind", _TEXT),
+        _field("links", _INT),
+        _field("links_missed", _INT),
+        _field("links_false", _INT),
+        _field("blocks", _INT),
+        _field("blocks_right", _INT),
+        _field("slabs", _INT),
+        _field("slabs_right", _INT),
+        _field("loops", _INT, null=True),
+        _field("loops_found", _INT, null=True),
+    ),
 }
+
+# The others are over the whole corpus.
+MODEL_TABLES = tuple(name for name in SCHEMAS if name != "comparison")
 
 
 def build_table(name, columns):

@@ -1,5 +1,6 @@
-"""From slices to Reeb graphs: edges, arcs and the three graphs."""
+"""From slices to Reeb graphs: edges, arcs and the graphs."""
 
+from collections import Counter
 from typing import NamedTuple
 
 import networkx as nx
@@ -8,7 +9,7 @@ import pyarrow as pa
 import shapely
 
 from .blocks import block_regions, contour_curves, contour_rings, mend, region_levels, region_polygons
-from .graphs import arc_columns, augmented_graph, reeb_graph, trace_arcs
+from .graphs import arc_columns, augmented_graph, bounding_arcs, reeb_graph, simplified_graph, trace_arcs
 from .parts import linked_parts, solid_parts, surface_parts
 from .schemas import build_table
 from .similarity import boolean_similarity, link_by_proximity, link_by_similarity
@@ -28,10 +29,14 @@ class Synthesis(NamedTuple):
     solid: nx.MultiGraph
     surface: nx.MultiGraph
     augmented: nx.MultiGraph
+    solid_simplified: nx.MultiGraph
+    surface_simplified: nx.MultiGraph
 
 
-def synthesize(contours, pieces, handles, nodes, rotation, method="exact"):
+def synthesize(contours, pieces, handles, nodes, rotation, feature_size, method="exact"):
     """Connect the levels: :class:`Synthesis`.
+
+    feature_size : mesh units; the simplified graphs show nothing below it.
 
     method : "exact", the links of the mesh; "similarity", Boolean 2D shape
     similarity; "proximity", nearest centroids. All edges carry their Boolean
@@ -44,29 +49,35 @@ def synthesize(contours, pieces, handles, nodes, rotation, method="exact"):
     if method == "exact":
         solid, surface = solid_parts(pieces, contours, handles), surface_parts(pieces, handles)
         rows = {row["handle"]: row for row in handles.to_pylist()}
-        pairs, solid_joints, surface_joints = sorted(truth), rows, rows
+        pairs = sorted(truth)
+        held = [Counter(handles[part].to_pylist()) for part in ("block", "piece")]
     else:
         link = {"similarity": link_by_similarity, "proximity": link_by_proximity}[method]
-        pairs = link_levels(region_levels(contours), polygons, link)
+        pairs = link(region_levels(contours), nodes["height"].to_numpy(), polygons)
         solid = linked_parts(region_levels(contours), pairs)
         surface = linked_parts(contours["level"].to_numpy(), link_contours(contours, link))
-        solid_joints = surface_joints = {}
-    solid_joints = joint_rows(solid, material, nodes["height"].to_numpy(), solid_joints)
-    surface_joints = joint_rows(surface, centres, contours["height"].to_numpy(), surface_joints)
+        rows, held = {}, [Counter(), Counter()]
+    solid_joints = joint_rows(solid, material, nodes["height"].to_numpy(), rows, held[0])
+    surface_joints = joint_rows(surface, centres, contours["height"].to_numpy(), rows, held[1])
     edges = edges_table(pairs, truth, solid, solid_joints, polygons, region_levels(contours), method)
     similarity = dict(zip(zip(edges["source"].to_pylist(), edges["target"].to_pylist()), edges["similarity"].to_pylist()))
-    solid_arcs = arc_columns(trace_arcs(solid), "solid", solid_joints, material, similarity)
-    surface_arcs = arc_columns(trace_arcs(surface), "surface", surface_joints, centres, {})
+    traced, inner = (trace_arcs(solid), trace_arcs(surface)), contours["inner"].to_pylist()
+    bounds = bounding_arcs(solid, *traced, contours["region"].to_pylist(), inner)
+    solid_arcs = arc_columns(traced[0], "solid", solid_joints, material, similarity, bounds[0])
+    surface_arcs = arc_columns(traced[1], "surface", surface_joints, centres, {}, bounds[1])
     arcs = build_table("arcs", {name: solid_arcs[name] + surface_arcs[name] for name in solid_arcs})
-    inner = contours["inner"].to_pylist()
     rows = [row | {"n_nodes": len(row["nodes"])} for row in arcs.to_pylist()]
     holes = [row | {"inner": inner[row["nodes"][0]] if row["nodes"] else False} for row in rows]
+    of_solid = [row for row in rows if row["graph"] == "solid"]
+    of_surface = [row for row in holes if row["graph"] == "surface"]
     return Synthesis(
         edges,
         arcs,
-        reeb_graph([row for row in rows if row["graph"] == "solid"], solid_joints, SOLID_ATTRIBUTES, "s"),
-        reeb_graph([row for row in holes if row["graph"] == "surface"], surface_joints, SURFACE_ATTRIBUTES, "c"),
+        reeb_graph(of_solid, solid_joints, SOLID_ATTRIBUTES, "s"),
+        reeb_graph(of_surface, surface_joints, SURFACE_ATTRIBUTES, "c"),
         augmented_graph(solid, solid_joints, nodes, edges),
+        simplified_graph(of_solid, solid_joints, "volume", feature_size, "s"),
+        simplified_graph(of_surface, surface_joints, "area", feature_size, "c"),
     )
 
 
@@ -76,22 +87,10 @@ def block_links(pieces, contours):
     return {(low, high): block for block, (below, above) in enumerate(ends) for low in below for high in above}
 
 
-def link_levels(level, shapes, link):
-    """Links between consecutive levels by `link`, as sorted pairs of shape ids.
-
-    level : (R,) ascending; shapes : (R,) polygons.
-    """
-    start = np.searchsorted(level, np.arange(level.max() + 2))
-    pairs = []
-    for a, b, c in zip(start[:-2], start[1:-1], start[2:]):
-        pairs += [(int(a) + i, int(b) + j) for i, j in link(shapes[a:b], shapes[b:c])]
-    return pairs
-
-
 def link_contours(contours, link):
     """Links between contours of consecutive levels, outer and inner ones apart."""
-    level, inner = contours["level"].to_numpy(), contours["inner"].to_numpy(zero_copy_only=False)
-    rings = contour_rings(contours)
+    level, height = contours["level"].to_numpy(), contours["height"].to_numpy()
+    inner, rings = contours["inner"].to_numpy(zero_copy_only=False), contour_rings(contours)
     shapes = np.full(len(rings), shapely.Polygon(), object)
     usable = ~shapely.is_missing(rings)
     shapes[usable] = shapely.polygons(rings[usable])
@@ -99,8 +98,8 @@ def link_contours(contours, link):
     pairs = []
     for kind in (inner, ~inner):
         members = np.flatnonzero(kind)
-        if len(members):
-            pairs += [(int(members[i]), int(members[j])) for i, j in link_levels(level[members], shapes[members], link)]
+        links = link(level[members], height[members], shapes[members])
+        pairs += [(int(members[i]), int(members[j])) for i, j in links]
     return sorted(pairs)
 
 
@@ -110,16 +109,18 @@ def contour_centres(contours, rotation):
     return np.column_stack([centres, contours["height"].to_numpy()]) @ np.asarray(rotation)
 
 
-def joint_rows(parts, points, height, handles):
+def joint_rows(parts, points, height, handles, held):
     """Rows {id: x, y, z, height, index, side, ...} of all joints of `parts`.
 
-    A joint that is no handle, because the mesh was not asked, lies amid the
-    points around it and has what their numbers suggest.
+    held : the number of handles in each part; a joint that is alone in its
+    part stands for all of them (`n_handles`). A joint that is no handle,
+    because the mesh was not asked, lies amid the points around it and has what
+    their numbers suggest.
     """
     rows = {}
     for part, (lower, upper, joints) in enumerate(zip(parts.below, parts.above, parts.joints)):
         if joints and joints[0] in handles:
-            rows |= {joint: handles[joint] for joint in joints}
+            rows |= {joint: handles[joint] | {"n_handles": held[part] - len(joints) + 1} for joint in joints}
         elif joints or len(lower) != 1 or len(upper) != 1:
             index, side, operation = GUESSED.get((min(len(lower), 2), min(len(upper), 2)), (1, "", "compound"))
             x, y, z = points[lower + upper].mean(axis=0).tolist()

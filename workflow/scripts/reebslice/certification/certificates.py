@@ -11,7 +11,7 @@ from types import SimpleNamespace
 import numpy as np
 import shapely
 
-from . import events, form, links, slices, surface
+from . import critical, events, form, links, slices, surface
 from . import graphs as graph_checks
 
 # What a table that contradicts itself can make numpy, shapely or a lookup say.
@@ -26,6 +26,7 @@ STEPS = (
     slices.check_contours,
     slices.check_curves,
     slices.check_pieces,
+    critical.check_critical,
     events.check_holes,
     events.check_blocks,
     events.check_handles,
@@ -35,6 +36,7 @@ STEPS = (
     links.check_arcs,
     graph_checks.check_graphs,
     graph_checks.check_identities,
+    critical.check_simplified,
 )
 # Without these there is nothing that the later steps could be about.
 FOUNDATIONS = (form.check_form, surface.check_mesh, slices.check_levels, slices.check_contours)
@@ -46,6 +48,12 @@ APART = (
 CROSSING = (
     "The surface crosses itself. The solid is taken sheet by sheet as the surface bounds it: a contour is outer or a "
     "hole by the sign of its whole area, and material where sheets overlap counts as often as they do."
+)
+
+BY_SOS = (
+    "Neighbouring vertices have one height, or differ by no more than rounding. The graphs are those of the height "
+    "tilted by an infinitesimal amount towards x of the tilted frame, and by an infinitesimal part of that towards y "
+    "(simulation of simplicity): exact for it, and for every real tilt of that kind that is small enough."
 )
 
 
@@ -84,9 +92,10 @@ def certify(tables, tilt, graphs, feature_size, distance=None):
     Parameters
     ----------
     tables : dict of pyarrow tables vertices, faces, shells, levels, contours,
-        pieces, handles, nodes, edges, arcs, as `schemas` declares them
+        pieces, handles, critical_points, critical_arcs, nodes, edges, arcs,
+        as `schemas` declares them
     tilt : dict, the content of tilt.json
-    graphs : dict of networkx MultiGraphs solid, surface, augmented
+    graphs : dict of networkx MultiGraphs, by the names in `schemas.GRAPHS`
     feature_size : float, mesh units; what is smaller may stay unresolved in a
         model that is `exact_at_feature_size`
     distance : float or None, mesh units; the largest spacing of uniform levels
@@ -146,7 +155,7 @@ def unresolved_groups(case):
 def _small(case, group):
     """Whether at most one of the handles has at least the feature size."""
     persistence = case.columns.handles["persistence"]
-    return sum(persistence[h] is None or persistence[h] >= case.size for h in group) < 2
+    return sum(persistence[h] >= case.size for h in group) < 2
 
 
 def _figures(case):
@@ -176,6 +185,7 @@ def _figures(case):
         "loops_solid": get("loops_solid"),
         "hidden_genus": get("hidden"),
         "suppressed_loops": get("suppressed"),
+        "simplified": get("simplified"),
         "compound": None if kinds is None else int((kinds == "compound").sum()),
         "unseen": None if kinds is None else int((kinds == "unseen").sum()),
         "unresolved_blocks": None if get("block_resolved") is None else int((~case.block_resolved).sum()),
@@ -186,6 +196,7 @@ def _figures(case):
         "margin": tilt.get("margin"),
         "angle": tilt.get("angle"),
         "morse": tilt.get("morse"),
+        "height_interpretation": BY_SOS if tilt.get("morse") == "by_sos" else "",
         "feature_size": float(case.size),
         "similarity": similarity,
         "open_questions": {name: int(value) for name, value in case.open.items()},

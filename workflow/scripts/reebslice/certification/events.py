@@ -10,9 +10,8 @@ from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
 from .recount import cross
-from .recount_elders import persistences
 from .recount_graphs import find_blocks
-from .recount_shapes import find_hosts, find_parents, first_face_along_x, local_sides
+from .recount_shapes import Nest, find_hosts, find_parents, first_face_along_x, local_sides
 from ..schemas import EVENTS
 
 INDEX_OF_KIND = {"birth": 0, "death": 2, "join": 1, "split": 1}
@@ -22,25 +21,41 @@ def check_holes(case, ledger):
     """Which contours are holes, and whose."""
     t, found = case.columns.contours, case.recount
     inner = np.asarray(t["inner"], bool)
-    certain = np.abs(found.area) > case.noise * (found.perimeter + case.noise)
+    slack = case.noise * (found.perimeter + case.noise)
+    certain = np.abs(found.area) > slack
     ledger.rows("contours.inner", ~certain | (inner == (found.area < 0)), "a hole is a contour of negative area")
-    case.chain = _cylinder_chains(case, len(inner))
-    first = np.zeros(case.chain.max(initial=-1) + 1, bool)
-    first[case.chain] = inner
-    ledger.rows("contours.inner_along_cylinders", inner == first[case.chain], "the same along a chain of cylinders")
-    known = np.zeros(len(first), bool)
-    known[case.chain[certain]] = True
-    case.doubtful = ~known  # chains of which no contour has an area beyond rounding
+    _check_chains(case, ledger, inner, certain)
     body = case.body[found.shell]
-    host, is_open = find_hosts(case.curves, found.area, t["level"], inner, body)
+    nest = Nest(case.curves, found.area, slack, t["level"], case.noise, case.exact)
+    host, is_open = find_hosts(nest, inner, body)
     _check_regions(case, ledger, inner, host)
     case.open["holes between two regions"] = is_open.sum()
     case.open_holes = is_open
-    parent, unsure = find_parents(case.curves, found.area, t["level"], inner)
+    parent, unsure = find_parents(nest)
     stated = np.array([-1 if p is None else p for p in t["parent"]], np.int64)
     ledger.rows("contours.parent", unsure | (stated == parent), "the smallest contour around it")
     case.open["contours of unsure parent"] = (unsure & (stated != parent)).sum()
     _find_entangled(case, inner, body, stated)
+
+
+def _check_chains(case, ledger, inner, certain):
+    """Along a chain of cylinders all contours are holes or none is.
+
+    Where no contour of a chain has an area beyond rounding, that of its
+    shortest one is found in exact numbers.
+    """
+    chain = _cylinder_chains(case, len(inner))
+    first = np.zeros(chain.max(initial=-1) + 1, bool)
+    first[chain] = inner
+    ledger.rows("contours.inner_along_cylinders", inner == first[chain], "the same along a chain of cylinders")
+    order = np.lexsort((-case.recount.n_points, chain))
+    shortest = order[np.flatnonzero(np.diff(chain[order], append=-1))]
+    known = np.zeros(len(first), bool)
+    known[chain[certain]] = True
+    small = shortest[~known[chain[shortest]]].tolist()
+    areas = [case.exact.area(contour) for contour in small]
+    signs = [area != 0 and (area < 0) == inner[contour] for area, contour in zip(areas, small)]
+    ledger.rows("contours.inner_below_rounding", signs, "sign of the exact area")
 
 
 def _cylinder_chains(case, n_contours):
@@ -101,14 +116,16 @@ def _host_voids(case):
     """For each void within one slab a piece around it, met by a ray along +x; and how many have none."""
     closed = np.flatnonzero((case.kinds == "unseen") & case.void[case.piece_shell])
     hosts, lost = {}, 0
-    faces = case.surface.corners
+    heights = case.surface.points[case.surface.corners, 2]
+    low, high, body = heights.min(axis=1), heights.max(axis=1), case.body[case.surface.shell]
     for piece in closed.tolist():
         shell = case.piece_shell[piece]
         own = case.tilted[case.shell_of_vertex == shell]
         start, span = own[np.argmax(own[:, 0])], np.ptp(own, axis=0)
-        others = np.flatnonzero((case.surface.shell != shell) & (case.body[case.surface.shell] == case.body[shell]))
-        corners = case.surface.points[faces[others]]
         z = start[2] + 1e-7 * 0.618 * span[2] * (1 if start[2] < own[:, 2].mean() else -1)
+        other = (case.surface.shell != shell) & (body == case.body[shell])
+        others = np.flatnonzero(other & (low <= z) & (z <= high))
+        corners = case.surface.points[case.surface.corners[others]]
         hit = first_face_along_x(corners, start[0], start[1] + 1e-7 * 0.414 * span[1], z)
         if hit < 0:
             lost += 1
@@ -188,7 +205,7 @@ def check_handles(case, ledger):
     wanted = np.stack([np.bincount(piece[t["index"] == i], minlength=len(held)) for i in range(3)], axis=1) == wanted
     ledger.rows("pieces.handles", wanted.all(axis=1), "critical points by index that its shape needs")
     _check_events(case, ledger, t, piece)
-    _check_persistence(case, ledger, t, vertex)
+    _check_persistence(case, ledger, t)
     chains = np.array([_is_chain(case, b) for b in range(case.n_blocks)], bool)
     case.chains = chains
     case.block_resolved = np.array([len(h) <= 1 for h in case.handles_of_block], bool) | chains
@@ -240,13 +257,16 @@ def _change(inner, below, above):
     return "->".join(",".join(end) for end in sides)
 
 
-def _check_persistence(case, ledger, t, vertex):
-    spans = persistences(case.surface, case.sides, case.shell_of_vertex[case.surface.origin])
-    holds = []
-    for v, stated in zip(vertex.tolist(), t["persistence"]):
-        known = np.array(spans.get(v, [np.nan]))
-        holds.append(bool(np.isinf(known).any() if stated is None else (np.abs(known - stated) <= case.noise).any()))
-    ledger.rows("handles.persistence", holds, "height to its partner by the elder rule on the whole surface")
+def _check_persistence(case, ledger, t):
+    """Persistence and partner, against the exact graph, which was checked before."""
+    points = case.columns.critical_points
+    place = np.searchsorted(points["rank"], t["rank"])
+    ledger.rows("handles.persistence", t["persistence"] == points["persistence"][place], "that of the critical point")
+    handle = dict(zip(t["rank"].tolist(), t["handle"].tolist()))
+    partner = points["rank"][points["partner"][place]].tolist()
+    ledger.rows("handles.pair", [p == handle.get(r) for p, r in zip(t["pair"], partner)], "the handle of the partner")
+    stated = [handle.get(rank) for rank in points["rank"].tolist()]
+    ledger.rows("critical_points.handle", [a == b for a, b in zip(points["handle"], stated)], "the handle of that rank")
 
 
 def _is_chain(case, block):
@@ -279,9 +299,3 @@ def check_sides(case, ledger):
     ledger.enter("sides_by_local_geometry", [int(agree.sum()), len(differ)], [int(decided.sum()), 0], says=says)
     case.open["sides that the geometry leaves open"] = (~decided).sum()
     case.crossing |= bool((~decided & tangled & (local != "")).any())
-    confirmed = np.zeros(len(case.doubtful), bool)
-    for handle in np.flatnonzero(agree).tolist():
-        confirmed[case.chain[bounding[handle]]] = True
-    left = int((case.doubtful & ~confirmed).sum())
-    case.open["contours too small for a sign"] = (case.doubtful[case.chain]).sum()
-    ledger.enter("chains_of_contours_without_a_sign", left, 0)

@@ -10,10 +10,11 @@ import networkx as nx
 import numpy as np
 import pyarrow as pa
 
-from ..schemas import EVENTS, OPERATIONS, PIECE_KINDS, SCHEMAS, check_table
+from ..schemas import EVENTS, GRAPHS, MODEL_TABLES, OPERATIONS, PAIRINGS, PIECE_KINDS, check_table
 
-TABLES = tuple(SCHEMAS)
-KEYS = {name: name[:-1] for name in ("shells", "levels", "contours", "pieces", "handles", "nodes", "edges")}
+KEYS = {name: name[:-1] for name in ("shells", "levels", "contours", "pieces", "handles", "nodes", "edges")} | {
+    "critical_points": "critical", "critical_arcs": "arc",
+}  # fmt: skip
 # (table, column, the table that its numbers are rows of)
 REFERENCES = (
     ("faces", "a", "vertices"), ("faces", "b", "vertices"), ("faces", "c", "vertices"), ("faces", "shell", "shells"),
@@ -25,6 +26,9 @@ REFERENCES = (
     ("handles", "piece", "pieces"), ("handles", "block", "pieces"), ("handles", "vertex", "vertices"),
     ("handles", "contours_below", "contours"), ("handles", "contours_above", "contours"),
     ("handles", "regions_below", "nodes"), ("handles", "regions_above", "nodes"),
+    ("handles", "pair", "handles"), ("critical_points", "vertex", "vertices"),
+    ("critical_points", "partner", "critical_points"), ("critical_points", "handle", "handles"),
+    ("critical_arcs", "source", "critical_points"), ("critical_arcs", "target", "critical_points"),
     ("nodes", "level", "levels"), ("nodes", "region", "nodes"),
     ("edges", "source", "nodes"), ("edges", "target", "nodes"), ("edges", "handle", "handles"),
 )  # fmt: skip
@@ -32,18 +36,18 @@ WORDS = (
     ("levels", "why", ("uniform", "refined")), ("pieces", "kind", PIECE_KINDS), ("handles", "side", ("A", "B")),
     ("handles", "operation", OPERATIONS), ("handles", "change", (None, *EVENTS)), ("handles", "index", (0, 1, 2)),
     ("edges", "operation", ("continuation", *OPERATIONS)), ("edges", "method", ("exact", "similarity", "proximity")),
-    ("arcs", "graph", ("solid", "surface")),
+    ("arcs", "graph", ("solid", "surface")), ("critical_points", "pairing", PAIRINGS),
 )  # fmt: skip
 
 
 def check_form(case, ledger):
     """Tables as declared, ids that count their rows, references to rows that exist."""
-    faults = [fault for name in TABLES for fault in _schema_fault(name, case.tables.get(name))]
+    faults = [fault for name in MODEL_TABLES for fault in _schema_fault(name, case.tables.get(name))]
     if faults:
         ledger.enter("tables_in_form", len(faults), 0, says=faults[0])
         return
-    case.columns = SimpleNamespace(**{name: _columns(case.tables[name]) for name in TABLES})
-    size = {name: case.tables[name].num_rows for name in TABLES}
+    case.columns = SimpleNamespace(**{name: _columns(case.tables[name]) for name in MODEL_TABLES})
+    size = {name: case.tables[name].num_rows for name in MODEL_TABLES}
     for name, key in KEYS.items():
         if not np.array_equal(getattr(case.columns, name)[key], np.arange(size[name])):
             faults.append(f"Column {key} of table {name} does not count its rows from 0.")
@@ -55,7 +59,7 @@ def check_form(case, ledger):
         odd = set(getattr(case.columns, name)[column]) - set(words)
         if odd:
             faults.append(f"Column {column} of table {name} holds {sorted(map(str, odd))[0]!r}, which is no such word.")
-    for name in TABLES:
+    for name in MODEL_TABLES:
         for column, values in getattr(case.columns, name).items():
             if isinstance(values, np.ndarray) and values.dtype.kind == "f" and not np.isfinite(values).all():
                 faults.append(f"Column {column} of table {name} holds a number that is not finite.")
@@ -85,7 +89,7 @@ def _document_faults(tilt, graphs):
             return [f"The {name} in tilt.json has shape {values.shape}, not {shape}, or is not finite."]
     return [
         f"The graph {name} is missing or no undirected multigraph."
-        for name in ("solid", "surface", "augmented")
+        for name in GRAPHS
         if not isinstance(graphs.get(name), nx.MultiGraph) or graphs[name].is_directed()
     ]
 

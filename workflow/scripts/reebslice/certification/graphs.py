@@ -4,6 +4,8 @@ Each takes the case (what is known of the model so far) and a ledger to enter
 its findings in; what it recomputes it leaves in the case for later checks.
 """
 
+from collections import Counter
+
 import numpy as np
 
 from .recount_graphs import count_loops, find_augmented_edges
@@ -34,7 +36,7 @@ def check_graphs(case, ledger):
         ledger.enter(f"{graph}.edges", stated.keys() == expected.keys(), True)
         common = sorted(stated.keys() & expected.keys())
         ledger.rows(f"{graph}.ends", [stated[k][0] == expected[k][0] for k in common], "the two events of the arc")
-        same = [_same_edge(case, stated[k][1], expected[k][1], expected[k][2], columns) for k in common]
+        same = [_same_edge(case, k, stated[k][1], expected[k][1], expected[k][2], columns) for k in common]
         ledger.rows(f"{graph}.edge_attributes", same, "the columns of the arc")
         if graph == "surface":
             inner = case.columns.contours["inner"]
@@ -47,9 +49,10 @@ def check_graphs(case, ledger):
     _count_loops(case, ledger)
 
 
-def _same_edge(case, data, row, key, columns):
+def _same_edge(case, name, data, row, key, columns):
     arcs = case.columns.arcs
-    return data.get("n_nodes") == len(key[2]) and all(_same(data.get(c), arcs[c][row]) for c in columns)
+    same = all(_same(data.get(c), arcs[c][row]) for c in columns)
+    return same and data.get("id") == name and data.get("n_nodes") == len(key[2])
 
 
 def _same(found, expected):
@@ -71,6 +74,17 @@ def _check_attributes(case, ledger, graph, found):
         known = table is not None and 0 <= row < len(table[columns[0]])
         agree.append(bool(known) and all(_same(data.get(c), table[c][row]) for c in columns))
     ledger.rows(f"{graph}.node_attributes", agree, "the columns of the handle or node")
+    standing = _count_handles(case, graph)
+    held = [data.get("n_handles") == standing.get(str(name)) for name, data in found.nodes(data=True)]
+    ledger.rows(f"{graph}.n_handles", held, "itself and the handles of its part that are no nodes")
+
+
+def _count_handles(case, graph):
+    """The number of handles that each node of a graph stands for: {name of node: number}."""
+    part = case.columns.handles["piece" if graph == "surface" else "block"].tolist()
+    joints = {h for members in case.parts["surface" if graph == "surface" else "solid"].joints for h in members}
+    others = Counter(place for handle, place in enumerate(part) if handle not in joints)
+    return {f"h{handle}": 1 + others[part[handle]] for handle in joints}
 
 
 def _check_augmented(case, ledger):
@@ -95,13 +109,14 @@ def _check_augmented(case, ledger):
     edges = case.columns.edges
     pairs = dict(zip(zip(edges["source"].tolist(), edges["target"].tolist()), edges["similarity"].tolist()))
     agree = []
-    for a, b, data in found.edges(data=True):
+    for a, b, key, data in found.edges(keys=True, data=True):
         handles = {int(end[1:]) for end in (a, b) if str(end).startswith("h")}
+        named = data.get("id") == key
         if handles:
-            agree.append(data.get("handle") in handles)
+            agree.append(named and data.get("handle") in handles)
         else:
             low, high = sorted((int(a[1:]), int(b[1:])), key=lambda n: case.columns.nodes["level"][n])
-            agree.append(_same(data.get("similarity"), pairs.get((low, high))))
+            agree.append(named and _same(data.get("similarity"), pairs.get((low, high))))
     ledger.rows("augmented.edge_attributes", agree, "the handle, or the similarity of the edge")
 
 

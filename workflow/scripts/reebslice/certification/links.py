@@ -37,7 +37,26 @@ def check_nodes(case, ledger):
     )
     case.polygons, case.broken = build_polygons(case.curves, found.area, region, inner, n)
     case.open["regions that cross themselves"] = case.broken.sum()
+    outer = np.flatnonzero(~inner)
+    body = np.full(n, -1)
+    body[region[outer]] = case.body[found.shell[outer]]
+    case.entangled |= _share_material(case, outer_level, body)
     _check_material(case, ledger, t, region, n)
+
+
+def _share_material(case, level, body):
+    """Whether regions of different bodies overlap at some level, by more than rounding."""
+    runs = np.split(np.argsort(level, kind="stable"), np.cumsum(np.bincount(level))[:-1])
+    for run in (run for run in runs if len(np.unique(body[run])) > 1):
+        polygons = case.polygons[run]
+        one, two = shapely.STRtree(polygons).query(polygons, predicate="intersects")
+        apart = (one < two) & (body[run[one]] != body[run[two]])
+        one, two = polygons[one[apart]], polygons[two[apart]]
+        shared = shapely.area(shapely.intersection(one, two))
+        rounding = case.noise * np.minimum(shapely.length(one), shapely.length(two))
+        if np.any(shared > 1e-9 * np.minimum(shapely.area(one), shapely.area(two)) + rounding):
+            return True
+    return False
 
 
 def _check_material(case, ledger, t, region, n):
@@ -68,8 +87,8 @@ def check_edges(case, ledger):
         above[high].append(region)
     operation = case.columns.handles["operation"]
     expected = {}
-    for lower, upper, handles in zip(below, above, case.handles_of_block):
-        first = handles[0] if handles else None
+    for lower, upper, handles, chain in zip(below, above, case.handles_of_block, case.chains):
+        first = next(iter(handles if chain else _largest(case, handles)), None)
         word = "continuation" if first is None else operation[first]
         expected |= {(a, b): (first, word) for a in lower for b in upper}
     stated = list(zip(source.tolist(), target.tolist()))
@@ -85,7 +104,7 @@ def check_edges(case, ledger):
     ledger.rows(
         "edges.handle",
         [expected.get(p, (h,))[0] == h for p, h in zip(stated, t["handle"])],
-        "lowest handle of the block",
+        "handle that names the block",
     )
     ledger.rows(
         "edges.operation",
@@ -157,6 +176,8 @@ def check_arcs(case, ledger):
             "length of the path along its points",
         )
     _check_arc_similarity(case, ledger, t)
+    if len(case.arcs) == 2:
+        _check_bounds(case, ledger, t)
 
 
 def _check_arc_similarity(case, ledger, t):
@@ -169,17 +190,76 @@ def _check_arc_similarity(case, ledger, t):
     ledger.rows("arcs.similarity_min", holds, "smallest similarity of its edges")
 
 
+def _check_bounds(case, ledger, t):
+    """Which surface arcs bound which arc of the solid, and that each bounds an unbroken path of them."""
+    inner, region = case.columns.contours["inner"], case.columns.contours["region"]
+    wall = np.full(len(inner), -1)  # of each contour its surface arc
+    for row, key in case.arcs["surface"].items():
+        wall[list(key[2])] = t["arc"][row]
+    walls = [set() for _ in case.columns.nodes["node"]]
+    for contour, place in enumerate(region.tolist()):
+        walls[place].add(int(wall[contour]))
+    passing = _walls_in_chains(case, wall, walls)
+    hole = {int(t["arc"][row]): bool(inner[key[2][0]]) for row, key in case.arcs["surface"].items()}
+    paths, holds = {arc: [] for arc in hole}, []
+    for row, key in case.arcs["solid"].items():
+        expected = set().union(*(walls[node] for node in key[2])) if key[2] else passing.get(key[:2], set())
+        outer, holes = ([k for k in sorted(expected) if hole[k] == kind] for kind in (False, True))
+        holds.append(t["bounds"][row] == outer + holes and len(outer) == 1)
+        for arc in expected:
+            paths[arc].append((int(t["arc"][row]), key))
+    ledger.rows("arcs.solid.bounds", holds, "the surface arcs around its regions, one of them outer")
+    stated = [t["bounds"][row] == [arc for arc, _ in paths[int(t["arc"][row])]] for row in case.arcs["surface"]]
+    ledger.rows("arcs.surface.bounds", stated, "the solid arcs whose regions its contours bound, upward")
+    node = _node_of_handle(case)
+    whole = []
+    for row, key in case.arcs["surface"].items():
+        steps = [(node[key[0]],) * 2, *(step[:2] for _, step in paths[int(t["arc"][row])]), (node[key[1]],) * 2]
+        whole.append(all(low[1] == high[0] for low, high in zip(steps[:-1], steps[1:])))
+    ledger.rows("arcs.surface.bounds_a_path", whole, "a path in the solid's graph between the arc's own two events")
+
+
+def _walls_in_chains(case, wall, walls):
+    """Surface arcs around the solid between consecutive events of a chain: {(handle, handle): set}.
+
+    From the region below the chain upward, each event takes away the surface
+    arcs below it and brings those above it.
+    """
+    passing = {}
+    for block in np.flatnonzero(case.chains).tolist():
+        current = walls[int(np.flatnonzero(case.block_above == block)[0])]
+        handles = case.handles_of_block[block]
+        for handle, following in zip(handles[:-1], handles[1:]):
+            ends = (case.columns.handles[f"contours_{end}"][handle] for end in ("below", "above"))
+            gone, come = (set(wall[contours].tolist()) for contours in ends)
+            current = (current - gone) | come
+            passing[handle, following] = current
+    return passing
+
+
+def _node_of_handle(case):
+    """The node of the solid's graph that stands for each handle: a list of handles."""
+    blocks = enumerate(case.columns.handles["block"].tolist())
+    return [handle if case.chains[block] else _largest(case, case.handles_of_block[block])[0] for handle, block in blocks]
+
+
+def _largest(case, handles):
+    """Of some handles the one that names their node: of the largest persistence, the lowest of those."""
+    persistence = case.columns.handles["persistence"]
+    return [min(handles, key=lambda h: (-persistence[h], h))] if handles else []
+
+
 def _solid_parts(case):
-    joints = [h if chain else h[:1] for h, chain in zip(case.handles_of_block, case.chains)]
+    joints = [h if chain else _largest(case, h) for h, chain in zip(case.handles_of_block, case.chains)]
     measure = np.bincount(case.block, case.piece_flux, case.n_blocks)
     return Parts(case.block_above, case.block_below, joints, measure)
 
 
 def _surface_parts(case):
-    joints = [[] for _ in case.kinds]
+    handles = [[] for _ in case.kinds]
     for handle, piece in enumerate(case.columns.handles["piece"].tolist()):
-        if not joints[piece]:
-            joints[piece].append(handle)
+        handles[piece].append(handle)
+    joints = [_largest(case, members) for members in handles]
     return Parts(case.above, case.below, joints, case.piece_area)
 
 

@@ -31,7 +31,7 @@ def essential_points(surface, sides, recount=None):
     down = np.where(inside, sides.upper, n + leaves), sides.lower
     # Downward, heights are counted from the top; contours keep their numbers.
     mirrored = np.where(down[0] < n, n - 1 - down[0], down[0]), n - 1 - down[1]
-    pairs = [_pair(*up, n, n_contours), n - 1 - _pair(*mirrored, n, n_contours)]
+    pairs = [elder_pairs(*up, n, n_contours), n - 1 - elder_pairs(*mirrored, n, n_contours)]
     pairs = np.concatenate(pairs)
     changes = sign_changes(surface)
     count = np.where(changes == 2, 0, np.where(changes == 0, 1, copies(surface)))
@@ -39,14 +39,15 @@ def essential_points(surface, sides, recount=None):
     return count, pairs
 
 
-def _pair(earlier, later, n, n_contours):
+def elder_pairs(earlier, later, n, n_contours):
     """Elder pairs (extremum, saddle) of a sweep in ascending order of vertex.
 
     earlier : vertex, or n + contour for what comes in through a level; later :
     vertex. Contours are older than every vertex and are never paired.
     """
     total = n + n_contours
-    keys = np.unique(later * total + earlier)
+    keys = np.sort(later * total + earlier)
+    keys = keys[np.append(True, keys[1:] != keys[:-1])[: len(keys)]]
     earlier, later = keys % total, keys // total
     tree = minimum_spanning_tree(coo_array((later + 1.0, (earlier, later)), shape=(total, total)).tocsr()).tocoo()
     low, high, weight = tree.row, tree.col, tree.data
@@ -71,27 +72,3 @@ def _find(root, i):
         root[i] = root[root[i]]
         i = root[i]
     return i
-
-
-def persistences(surface, sides, shell_of_vertex):
-    """All persistences that critical points of each surface vertex have: {vertex: [..]}.
-
-    Heights between the members of pairs; an unpaired extremum has the height
-    of its shell, an unpaired saddle (one of a loop) infinity.
-    """
-    count, pairs = essential_points(surface, sides)
-    z = surface.points[:, 2]
-    low, high = np.full(shell_of_vertex.max() + 1, np.inf), np.full(shell_of_vertex.max() + 1, -np.inf)
-    np.minimum.at(low, shell_of_vertex, z)
-    np.maximum.at(high, shell_of_vertex, z)
-    found = {}
-    for extremum, saddle in pairs.tolist():
-        span = abs(z[extremum] - z[saddle])
-        for vertex in (extremum, saddle):
-            found.setdefault(int(surface.origin[vertex]), []).append(span)
-    is_saddle = sign_changes(surface) > 2
-    for vertex in np.flatnonzero(count > 0).tolist():
-        shell = shell_of_vertex[vertex]
-        span = np.inf if is_saddle[vertex] else high[shell] - low[shell]
-        found.setdefault(int(surface.origin[vertex]), []).extend([span] * int(count[vertex]))
-    return found

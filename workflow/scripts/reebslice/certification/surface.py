@@ -9,7 +9,7 @@ from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
 from .recount import find_sides, rank_surface, rotate, sign_changes
-from .recount_shapes import count_enclosing
+from .recount_nesting import find_around, find_body, find_parent
 
 
 def check_mesh(case, ledger):
@@ -96,19 +96,25 @@ def _check_shell_measures(case, ledger, shell, count):
     sure = np.abs(volumes) > case.volume_noise
     case.void = np.asarray(t.shells["void"], bool)
     ledger.rows("shells.void", ~sure | (case.void == (volumes < 0)), "a void is a shell of negative volume")
-    body = case.body = t.shells["body"].astype(np.int64)
-    holds = (body == np.arange(count)) | case.void
+    _check_nesting(case, ledger, shell, np.abs(volumes))
+
+
+def _check_nesting(case, ledger, shell, size):
+    """Bodies and parents of the shells, by which shells are around each; size : absolute volumes."""
+    t = case.columns.shells
+    around, unsure = find_around(case.model, case.faces, shell, case.n_shells)
+    parent, is_open = find_parent(around, unsure, size)
+    stated = np.array([-1 if p is None else p for p in t["parent"]], np.int64)
+    ledger.rows("shells.parent", is_open | (stated == parent), "the smallest shell around it")
+    case.open["shells of unsure parent"] = (is_open & (stated != parent)).sum()
+    body = case.body = t["body"].astype(np.int64)
+    holds = (body == np.arange(case.n_shells)) | case.void
     for void in np.flatnonzero(case.void).tolist():
-        holds[void] = not case.void[body[void]] and body[void] == _smallest_around(case, void, np.abs(volumes))
-    ledger.rows("shells.body", holds, "a body is a shell of positive volume; a void has the smallest one around it")
-
-
-def _smallest_around(case, void, size):
-    """The smallest shell of positive volume around a void, or -1."""
-    others = np.flatnonzero(~case.void & (size >= size[void]))
-    crossings = count_enclosing(case.model, case.faces, case.columns.faces["shell"], void, others.tolist())
-    around = [other for other in others.tolist() if crossings[other] % 2]
-    return min(around, key=lambda other: size[other], default=-1)
+        found = find_body(around, case.void, size, void)
+        unknown = any(not case.void[other] for other in unsure[void])
+        holds[void] = not case.void[body[void]] and (unknown or body[void] == found)
+    says = "a body is a shell of positive volume; a void has the smallest one around it that is solid there"
+    ledger.rows("shells.body", holds, says)
 
 
 def check_tilt(case, ledger):
