@@ -4,6 +4,8 @@ Each takes the case (what is known of the model so far) and a ledger to enter
 its findings in; what it recomputes it leaves in the case for later checks.
 """
 
+from collections import Counter
+
 import networkx as nx
 import numpy as np
 
@@ -116,6 +118,11 @@ def check_simplified(case, ledger):
         large = [[pair for pair in kind if span(pair) >= case.size] for kind in before]
         if len(large[2]) == len(before[2]):  # gluing a loop may move other pairs
             ledger.enter(f"{name}: pairs of the feature size", after == large, True)
+        if large == before and len(parts) == nx.number_connected_components(full):  # nothing to cancel
+            ledger.enter(f"{name}: arcs", _ends(simple) == _ends(_without_passed(full, simple)), True)
+        else:
+            joined = [_joined(full, height, a, b, case.size) for a, b in simple.edges()]
+            ledger.rows(f"{name}.ends", joined, "joined in the full graph, by a way not far beyond their heights")
         shown[graph], left_out[graph] = len(after[2]), nx.number_connected_components(full) - len(parts)
     if len(shown) == 2:
         suppressed = case.loops_surface - shown["surface"]
@@ -131,6 +138,33 @@ def check_simplified(case, ledger):
         loops = shown["surface"] + suppressed + case.hidden
         holds = loops == case.genus and suppressed >= 0
         ledger.enter("genus = simplified loops + suppressed + hidden", loops, case.genus, holds)
+
+
+def _ends(graph):
+    return Counter(frozenset(pair) for pair in graph.edges())
+
+
+def _without_passed(full, simple):
+    """The full graph without those of its nodes that the simple one does not have and that do not branch."""
+    graph = nx.MultiGraph(full.edges())
+    for node in set(full) - set(simple):
+        if graph.degree(node) == 2:
+            (_, a), (_, b) = graph.edges(node)
+            graph.remove_node(node)
+            graph.add_edge(a, b)
+    return graph
+
+
+def _joined(graph, height, a, b, slack):
+    """Whether a way leads from a to b that stays within their heights, widened by `slack`."""
+    low, high = min(height[a], height[b]) - slack, max(height[a], height[b]) + slack
+    seen, stack = {a}, [a]
+    while stack:
+        for node in graph[stack.pop()]:
+            if node not in seen and low <= height[node] <= high:
+                seen.add(node)
+                stack.append(node)
+    return b in seen
 
 
 def _large_components(case, graph):
