@@ -83,7 +83,7 @@ def _find_entangled(case, inner, body, parent):
     around = np.where(parent >= 0, parent, np.arange(len(parent)))
     nested = ~inner & ~inner[around] & (around != np.arange(len(parent)))
     case.entangled = bool((nested & (body != body[around])).any())
-    case.crossing = bool((nested & (body == body[around])).any())
+    case.crossing = bool((nested & (body == body[around])).any() or case.open_holes.any())
 
 
 def check_blocks(case, ledger):
@@ -165,15 +165,22 @@ def _piece_of_crossed(case, face, slab):
 
 
 def _check_open_holes(case, ledger, found):
-    """Holes between two regions are no matter unless they could join other blocks."""
+    """Holes between two regions are no matter unless regions that they touch lie in different blocks."""
     contours = case.columns.contours
     alternatives = 0
     for hole in np.flatnonzero(case.open_holes).tolist():
         same = (contours["level"] == contours["level"][hole]) & (case.body[found.shell] == case.body[found.shell[hole]])
         outers = np.flatnonzero(same & ~np.asarray(contours["inner"], bool))
+        outers = [c for c in outers.tolist() if _distance(case.curves[c], case.curves[hole]) <= case.noise]
         blocks = {(int(case.block_above[r]), int(case.block_below[r])) for r in contours["region"][outers].tolist()}
         alternatives += len(blocks) > 1
     ledger.enter("holes_that_rounding_leaves_open", alternatives, 0)
+
+
+def _distance(outer, curve):
+    """From the closed region within the curve `outer` to another curve; 0 if they meet."""
+    ring = shapely.make_valid(shapely.Polygon(outer)) if shapely.get_num_points(outer) >= 4 else outer
+    return shapely.distance(ring, curve)
 
 
 def check_handles(case, ledger):
