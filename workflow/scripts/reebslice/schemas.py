@@ -11,7 +11,7 @@ import pyarrow as pa
 FORMAT_VERSION = "1"
 
 # --------------------------------------------------------------------------
-# Vocabulary (DESIGN: words, kinds, the twelve events)
+# Vocabulary: words, kinds, the twelve events
 
 PIECE_KINDS = ("cylinder", "birth", "death", "join", "split", "compound", "unseen")
 OPERATIONS = ("creation", "union", "separation", "annihilation")
