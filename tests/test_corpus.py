@@ -3,11 +3,15 @@
 import os
 from pathlib import Path
 
+import pyarrow as pa
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
 
 import batches
+import collect_models
 import corpus
-from batches import MODELS_FOLDER, STAGES, Rejected, make_key, receipt_name, run_models
+from batches import MODELS_FOLDER, STAGES, STATUS_SCHEMA, Rejected, make_key, receipt_name, run_models
 from corpus import CorpusError, MeshFile, find_broken_promises, find_models, form_batches
 from sources import digest_code, find_sources, read_outputs
 from storage import read_json, write_json, write_parquet
@@ -79,33 +83,60 @@ def some_models(count, size=100):
     return {f"model{i:05d}": MeshFile(f"m/model{i:05d}.stl", size, 0) for i in range(count)}
 
 
-@pytest.mark.parametrize("count, size, batches", [(1, 8, 1), (2, 8, 2), (20, 8, 8), (100, 8, 16), (100, 1, 128)])
-def test_number_of_batches_is_a_power_of_two_of_the_wanted_mean(count, size, batches):
-    names = form_batches(some_models(count), size)
-    assert {name.split("of")[1] for name in names} == {str(batches)}
+def work_of(models, members):
+    return sum(1 + models[model].size / corpus.SMALL_MESH for model in members)
+
+
+@pytest.mark.parametrize("count, size, fewest, most", [(1, 32, 1, 1), (9, 32, 4, 9), (100, 32, 4, 14), (100, 4, 25, 50)])
+def test_a_small_corpus_is_spread_over_some_batches(count, size, fewest, most):
+    assert fewest <= len(form_batches(some_models(count), size, 32)) <= most
 
 
 def test_a_large_corpus_makes_larger_batches():
-    names = form_batches(some_models(10_000), 8)
-    assert len(names) == 256
-    assert max(map(len, names.values())) < 80
+    assert 16 <= len(form_batches(some_models(10_000), 32, 32)) <= 48
+    assert 128 <= len(form_batches(some_models(10_000), 32, 256)) <= 384
 
 
-def test_batches_deal_out_every_model_once():
-    models = some_models(500)
-    assert sorted(model for members in form_batches(models, 8).values() for model in members) == list(models)
+@settings(deadline=None, max_examples=60)
+@given(
+    sizes=st.lists(st.integers(0, 200 * 2**20), min_size=1, max_size=80),
+    size=st.integers(1, 50),
+    most=st.integers(1, 40),
+)
+def test_batches_deal_out_every_model_once_and_share_the_work(sizes, size, most):
+    models = {f"model{i:03d}": MeshFile(f"m/{i}.stl", number, 0) for i, number in enumerate(sizes)}
+    batches = form_batches(models, size, most)
+    assert sorted(model for members in batches.values() for model in members) == list(models)
+    limit = corpus._find_limit(models, size, most)
+    for name, members in batches.items():
+        alone = len(members) == 1 and (
+            models[members[0]].size > corpus.LARGE_MESH or work_of(models, members) > limit
+        )
+        assert alone == name.startswith("alone-")
+        assert alone or work_of(models, members) <= limit
 
 
-def test_one_mesh_more_or_less_leaves_the_other_batches():
-    before = form_batches(some_models(100), 8)
-    after = form_batches(some_models(101), 8)
-    assert sum(before.get(name) != members for name, members in after.items()) == 1
+def test_one_mesh_more_or_less_changes_one_batch():
+    models = some_models(1000)
+    before = form_batches(models, 32, 64)
+    for model in list(models)[::25]:
+        after = form_batches({other: models[other] for other in models if other != model}, 32, 64)
+        changed = [members for members in before.values() if members not in after.values()]
+        assert 1 <= len(changed) <= 2  # two that have become one
+        assert model in changed[0] + changed[-1]
 
 
 def test_a_large_mesh_is_alone():
     models = some_models(10) | {"huge": MeshFile("m/huge.stl", corpus.LARGE_MESH + 1, 0)}
-    alone = [members for name, members in form_batches(models, 8).items() if name.startswith("alone-")]
+    alone = [members for name, members in form_batches(models, 32, 32).items() if name.startswith("alone-")]
     assert alone == [["huge"]]
+
+
+def test_predicted_resources_grow_with_the_meshes():
+    models = some_models(10) | {"huge": MeshFile("m/huge.stl", 50 * 2**20, 0)}
+    assert corpus.predict_memory(models, ["huge"]) > 3 * corpus.predict_memory(models, ["model00000", "model00001"])
+    few, many = (corpus.predict_minutes(some_models(count), some_models(count)) for count in (1, 1000))
+    assert few < 15 and many > 30
 
 
 def test_a_mesh_replaced_by_an_older_file_is_noticed():
@@ -259,7 +290,7 @@ def test_key_depends_on_all_of_its_parts_and_not_on_the_order_of_options():
 
 def promised(rows, stage):
     """The status table of one batch, as Snakemake would track it."""
-    path = corpus.STATUS_FOLDER / stage / "0of1.parquet"
+    path = corpus.STATUS_FOLDER / stage / "batch-all.parquet"
     write_parquet(path, batches.pa.Table.from_pylist(list(rows), schema=batches.STATUS_SCHEMA))
     return str(path)
 
@@ -277,7 +308,7 @@ def corpus_of_two_stages(monkeypatch):
 
 def test_kept_promises_are_left_alone(corpus_of_two_stages):
     *_, outputs = corpus_of_two_stages
-    assert find_broken_promises({"0of1": ["a", "b"]}, outputs) == []
+    assert find_broken_promises({"batch-all": ["a", "b"]}, outputs) == []
 
 
 @pytest.mark.parametrize(
@@ -287,18 +318,52 @@ def test_kept_promises_are_left_alone(corpus_of_two_stages):
 def test_a_table_that_promises_a_file_that_is_gone_is_found(corpus_of_two_stages, lost, number):
     *tables, outputs = corpus_of_two_stages
     (MODELS_FOLDER / lost).unlink()
-    assert find_broken_promises({"0of1": ["a", "b"]}, outputs) == [tables[number]]
+    assert find_broken_promises({"batch-all": ["a", "b"]}, outputs) == [tables[number]]
 
 
 def test_a_table_that_is_missing_before_others_is_found(corpus_of_two_stages):
     first, second, outputs = corpus_of_two_stages
     Path(first).unlink()
-    assert find_broken_promises({"0of1": ["a", "b"]}, outputs) == [first]
+    assert find_broken_promises({"batch-all": ["a", "b"]}, outputs) == [first]
     Path(second).unlink()
-    assert find_broken_promises({"0of1": ["a", "b"]}, outputs) == []  # never ran: nothing is promised
+    assert find_broken_promises({"batch-all": ["a", "b"]}, outputs) == []  # never ran: nothing is promised
 
 
 def test_a_failure_is_tried_again(corpus_of_two_stages):
     first, _, outputs = corpus_of_two_stages
     run(Stage(), first_rows(a="fail", b="reject"))
-    assert find_broken_promises({"0of1": ["a", "b"]}, outputs) == [first]
+    assert find_broken_promises({"batch-all": ["a", "b"]}, outputs) == [first]
+
+
+# The table of all models
+
+
+def models_of(*batches):
+    """The table of models whose ids are the letters of the batches, each with its name."""
+    row = {"status": "ok", "reason": "", "seconds": 0.5, "peak_memory_mb": 10.0, "key": "k"}
+    for name, models in batches:
+        rows = [row | {"model": model, "path": f"m/{model}.stl"} for model in models]
+        for stage in STAGES:
+            table = pa.Table.from_pylist(rows, schema=STATUS_SCHEMA)
+            write_parquet(corpus.STATUS_FOLDER / stage / f"{name}.parquet", table)
+    last = [corpus.STATUS_FOLDER / STAGES[-1] / f"{name}.parquet" for name, _ in batches]
+    return collect_models.main(last).combine_chunks()
+
+
+def test_the_table_of_models_does_not_depend_on_the_batches():
+    facts = {
+        "a": {"genus": 0, "size": 1, "open": True, "note": None},
+        "b": {"genus": 2, "size": 1.5, "group": {"x": 1}, "note": None},
+        "c": {"genus": 1, "mixed": 3},
+        "d": {"mixed": "much", "open": False},
+    }
+    for model, known in facts.items():
+        write_json(MODELS_FOLDER / model / "certificate.json", known)
+    one, other = (models_of(*batches) for batches in ((("x", "ab"), ("y", "dc")), (("z", "bdac"),)))
+    assert one.equals(other)
+    assert one["model"].to_pylist() == list("abcd")
+    assert one["size"].to_pylist() == [1.0, 1.5, None, None]
+    assert one["group_x"].to_pylist() == [None, 1, None, None]
+    assert one["mixed"].to_pylist() == [None, None, "3", "much"]
+    assert one["open"].to_pylist() == [True, None, None, False]
+    assert one["note"].to_pylist() == [None] * 4

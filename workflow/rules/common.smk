@@ -38,7 +38,7 @@ try:
 except corpus.CorpusError as error:
     raise WorkflowError(str(error)) from None
 
-BATCHES = corpus.form_batches(MODELS, config["batches"]["size"])
+BATCHES = corpus.form_batches(MODELS, **config["batches"])
 CODE = {
     stage: digest_code(SCRIPTS / f"{stage}.py")
     for stage in (*STAGES, "collect_models")
@@ -46,7 +46,7 @@ CODE = {
 
 
 wildcard_constraints:
-    batch=r"\d+of\d+|alone-[0-9a-f]+",
+    batch=r"batch-(all|[01]+)|alone-[0-9a-f]+",
 
 
 # A status table stands for the files of its models, which Snakemake does not
@@ -84,9 +84,13 @@ def stamp_of(wildcards):
 
 
 def memory_of(wildcards, attempt):
-    """Memory for a batch, in MB: what the libraries take, and a share by its largest mesh."""
-    largest = max(MODELS[model].size for model in BATCHES[wildcards.batch])
-    return int((600 + 60 * largest / 2**20) * attempt)
+    """Memory for one stage of a batch, in MB."""
+    return int(corpus.predict_memory(MODELS, BATCHES[wildcards.batch]) * attempt)
+
+
+def runtime_of(wildcards, attempt):
+    """Time for one stage of a batch, in minutes."""
+    return int(corpus.predict_minutes(MODELS, BATCHES[wildcards.batch]) * attempt)
 
 
 def last_status_tables():

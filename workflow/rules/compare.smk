@@ -19,6 +19,7 @@ rule compare_links:
         "results/benchmarks/compare_links/{batch}.tsv"
     resources:
         mem_mb=memory_of,
+        runtime=runtime_of,
     script:
         "../scripts/compare_links.py"
 

@@ -24,6 +24,7 @@ rule inspect_mesh:
         "results/benchmarks/inspect_mesh/{batch}.tsv"
     resources:
         mem_mb=memory_of,
+        runtime=runtime_of,
     script:
         "../scripts/inspect_mesh.py"
 
@@ -44,6 +45,7 @@ rule select_tilt:
         "results/benchmarks/select_tilt/{batch}.tsv"
     resources:
         mem_mb=memory_of,
+        runtime=runtime_of,
     script:
         "../scripts/select_tilt.py"
 
@@ -64,6 +66,7 @@ rule slice_mesh:
         "results/benchmarks/slice_mesh/{batch}.tsv"
     resources:
         mem_mb=memory_of,
+        runtime=runtime_of,
     script:
         "../scripts/slice_mesh.py"
 
@@ -85,6 +88,7 @@ rule classify_handles:
         "results/benchmarks/classify_handles/{batch}.tsv"
     resources:
         mem_mb=memory_of,
+        runtime=runtime_of,
     script:
         "../scripts/classify_handles.py"
 
@@ -105,6 +109,7 @@ rule sample_nodes:
         "results/benchmarks/sample_nodes/{batch}.tsv"
     resources:
         mem_mb=memory_of,
+        runtime=runtime_of,
     script:
         "../scripts/sample_nodes.py"
 
@@ -125,6 +130,7 @@ rule synthesize_edges:
         "results/benchmarks/synthesize_edges/{batch}.tsv"
     resources:
         mem_mb=memory_of,
+        runtime=runtime_of,
     script:
         "../scripts/synthesize_edges.py"
 
@@ -145,6 +151,7 @@ rule certify:
         "results/benchmarks/certify/{batch}.tsv"
     resources:
         mem_mb=memory_of,
+        runtime=runtime_of,
     script:
         "../scripts/certify.py"
 
@@ -164,5 +171,6 @@ rule draw:
         "results/benchmarks/draw/{batch}.tsv"
     resources:
         mem_mb=memory_of,
+        runtime=runtime_of,
     script:
         "../scripts/draw.py"

@@ -18,6 +18,7 @@ from storage import read_json, write_parquet
 
 FIGURES = ("inspection.json", "sampling.json", "certificate.json")  # of one name, the later file's figure counts
 FIRST = ("model", "path", "status", "reason", "verdict")
+LAST = tuple(f"{figure}_{stage}" for figure in ("seconds", "peak_memory_mb") for stage in STAGES)
 LONGEST = 8  # entries of a group or list that is spread over columns
 
 
@@ -30,10 +31,10 @@ def main(tables):
         Paths of the last stage's status tables, one per batch. Those of the
         other stages have the same name in folders beside.
     """
-    rows = []
-    for table in map(Path, tables):
-        rows += _join_stages([table.parent.parent / stage / table.name for stage in STAGES])
-    return _make_table(sorted(rows, key=lambda row: row["model"]))
+    parts = []
+    for table in map(Path, tables):  # rows as Python objects are held of one batch at a time
+        parts.append(_make_table(_join_stages([table.parent.parent / stage / table.name for stage in STAGES])))
+    return _concatenate(parts).sort_by("model")
 
 
 def count_models(path):
@@ -86,10 +87,9 @@ def _scalars(facts):
 
 
 def _make_table(rows):
-    """Return the rows as a table: first who and how, then the figures, then seconds and memory."""
-    last = [f"{figure}_{stage}" for figure in ("seconds", "peak_memory_mb") for stage in STAGES]
-    figures = sorted({name for row in rows for name in row}.difference(FIRST, last))
-    return pa.table({name: _column([row.get(name) for row in rows], name in last) for name in (*FIRST, *figures, *last)})
+    """Return the rows as a table, with a column for every figure that one of them has."""
+    names = sorted({*FIRST, *LAST}.union(*rows))
+    return pa.table({name: _column([row.get(name) for row in rows], name in LAST) for name in names})
 
 
 def _column(values, real=False):
@@ -97,9 +97,28 @@ def _column(values, real=False):
     kinds = {type(value) for value in values if value is not None}
     if real or (kinds <= {int, float} and float in kinds):
         return pa.array([None if value is None else float(value) for value in values], pa.float64())
-    if kinds in ({int}, {bool}):
-        return pa.array(values, pa.int64() if kinds == {int} else pa.bool_())
+    if len(kinds) < 2 and kinds <= {int, bool}:
+        return pa.array(values, {(int,): pa.int64(), (bool,): pa.bool_(), (): pa.null()}[tuple(kinds)])
     return pa.array([None if value is None else str(value) for value in values], pa.string())
+
+
+def _concatenate(parts):
+    """Return the tables as one: first who and how, then the figures by name, then seconds and memory."""
+    types = {}
+    for field in (field for part in parts for field in part.schema):
+        types.setdefault(field.name, set()).add(field.type)
+    figures = sorted(types.keys() - {*FIRST, *LAST})
+    schema = pa.schema({name: _common_type(types[name]) for name in (*FIRST, *figures, *LAST)})
+    parts = [part.cast(pa.schema([schema.field(name) for name in part.column_names])) for part in parts]
+    return pa.concat_tables(parts, promote_options="default").select(schema.names)
+
+
+def _common_type(types):
+    """Return the narrowest type that holds the values of columns of these types."""
+    types = types - {pa.null()}
+    if len(types) == 1:
+        return types.pop()
+    return pa.float64() if types == {pa.int64(), pa.float64()} else pa.string()
 
 
 if "snakemake" in globals():
