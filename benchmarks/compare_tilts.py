@@ -30,7 +30,8 @@ from corpus import find_models  # noqa: E402
 from mesh_formats import UnreadableMesh, read_mesh  # noqa: E402
 
 from reebslice.critical import unfold_saddles  # noqa: E402
-from reebslice.directions import fewest_levels, find_critical_points  # noqa: E402
+from reebslice.directions import fewest_levels  # noqa: E402
+from reebslice.scanning import find_critical_points  # noqa: E402
 from reebslice.heightmesh import find_twins, order_by_height  # noqa: E402
 from reebslice.inspection import inspect_surface  # noqa: E402
 from reebslice.tilts import (  # noqa: E402
@@ -122,7 +123,7 @@ def levels_of_all_arcs(points, faces, direction):
     mesh = unfold_saddles(order_by_height(points, faces, rotation_to_vertical(direction)))
     rank = np.arange(len(mesh.points), dtype=float)
     found = find_critical_points(mesh.faces, rank)
-    return fewest_levels(mesh.faces, mesh.twins, rank, found, found.index != 0)
+    return fewest_levels(mesh.faces, rank, found, found.index != 0)
 
 
 def flat_share(points, faces):

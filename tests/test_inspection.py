@@ -10,7 +10,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from make_examples import EXPECTED
 from mesh_formats import read_mesh
-from reebslice import closing, gluing, shells
+from reebslice import closing, gluing, measures, merging, shells
 from reebslice.inspection import REPAIRS, inspect_surface
 
 
@@ -94,8 +94,8 @@ def test_volume_is_sure_far_from_the_origin():
 
 def test_exact_volume_decides_what_rounding_cannot():
     points, faces = box(low=(0, 0, 0), high=(1, 1, 1))
-    assert shells.sum_volume_exactly(points, faces) == 1
-    assert shells.sum_volume_exactly(points * [1, 1, 0], faces) == 0
+    assert measures.sum_volume_exactly(points, faces) == 1
+    assert measures.sum_volume_exactly(points * [1, 1, 0], faces) == 0
 
 
 @pytest.mark.parametrize("name", EXPECTED)
@@ -424,7 +424,7 @@ def test_result_is_a_fixed_point():
 
 
 def test_fans_are_the_link_cycles():
-    points, faces = closing.merge_exactly(*MESHES["pinched"])
+    points, faces = merging.merge_exactly(*MESHES["pinched"])
     glued = closing.glue(faces, len(points))
     opposite = gluing.pair_half_edges(glued.order, glued.starts)
     assert len(np.unique(gluing.label_corners(glued.faces, opposite))) == 24
@@ -433,3 +433,42 @@ def test_fans_are_the_link_cycles():
 
 def test_repairs_are_the_documented_ones():
     assert set(REPAIRS) == {"merge", "duplicates", "split", "orient"}
+
+
+def test_equal_corners_get_one_place_in_lexicographic_order():
+    random = np.random.default_rng(0)
+    points = random.integers(-1, 2, (400, 3)) * random.choice([1.0, -0.0, 0.25], (400, 3))
+    faces = random.integers(0, 400, (90, 3))
+    positions, merged = merging.merge_exactly(points, faces)
+    assert positions.tolist() == np.unique(points[np.unique(faces)] + 0.0, axis=0).tolist()
+    assert not np.signbit(positions[positions == 0]).any()
+    assert positions[merged].tolist() == points[faces].tolist()
+    scattered = random.random((300, 3))  # more positions than faces
+    assert len(merging.merge_exactly(scattered, np.arange(300).reshape(-1, 3))[0]) == 300
+
+
+def test_orders_of_faces_and_half_edges_are_those_of_slow_sorts():
+    random = np.random.default_rng(0)
+    faces = np.array([random.permutation(12)[:3] for _ in range(300)])
+    corners = gluing.order_corners(faces, 12)
+    turned = faces.ravel()[corners].tolist()
+    first = [int(np.argmin(face)) for face in faces]
+    keys = [(sorted(face), list(np.roll(face, -k)) != sorted(face), i) for i, (face, k) in enumerate(zip(faces, first))]
+    assert turned == [np.roll(faces[i], -first[i]).tolist() for *_, i in sorted(keys)]
+    assert gluing.order_rows(faces, 12).tolist() == sorted(range(300), key=lambda i: faces[i].tolist())
+    order, starts = gluing.group_half_edges(faces, 12)
+    ends = [tuple(sorted((faces[h // 3, h % 3], faces[h // 3, (h % 3 + 1) % 3]))) for h in range(900)]
+    assert order.tolist() == sorted(range(900), key=lambda h: ends[h])
+    grouped = [{ends[h] for h in order[begin:end]} for begin, end in zip(starts, starts[1:])]
+    assert all(len(group) == 1 for group in grouped) and len(grouped) == len(set(ends))
+
+
+def test_measures_are_those_of_numpy():
+    random = np.random.default_rng(0)
+    points, faces, shell = random.random((50, 3)), random.integers(0, 50, (200, 3)), random.integers(0, 4, 200)
+    shell[:4] = range(4)
+    areas, volumes = measures.measure_shells(points, faces, shell, 4)
+    a, b, c = (points[faces[:, k]] for k in range(3))
+    assert areas == pytest.approx(np.bincount(shell, np.linalg.norm(np.cross(b - a, c - a), axis=1) / 2))
+    a, b, c = (corner - points[faces[[np.argmax(shell == s) for s in range(4)], 0]][shell] for corner in (a, b, c))
+    assert volumes == pytest.approx(np.bincount(shell, np.einsum("ij,ij->i", a, np.cross(b, c)) / 6))

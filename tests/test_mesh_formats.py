@@ -5,7 +5,9 @@ import struct
 import numpy as np
 import pytest
 import trimesh
-from mesh_formats import SUFFIXES, UnreadableMesh, cut_strips, fan_polygons, read_mesh
+from mesh_formats import SUFFIXES, UnreadableMesh, read_mesh
+from polygon_files import cut_strips, fan_polygons, parse_obj
+from reebslice.number_lines import Misread, read_numbers
 from reebslice.inspection import inspect_surface
 
 # A box of 1 x 2 x 3; its six sides as quadrilaterals, counter-clockwise from outside.
@@ -252,3 +254,55 @@ def step_cylinder(radius, height):
     head += "FILE_SCHEMA(('AUTOMOTIVE_DESIGN'));\nENDSEC;\n"
     data = "\n".join(lines)
     return f"ISO-10303-21;\n{head}DATA;\n{data}\nENDSEC;\nEND-ISO-10303-21;\n"
+
+
+def test_numbers_are_read_line_by_line_to_the_last_bit():
+    random = np.random.default_rng(0)
+    values = (random.normal(size=300) * 10.0 ** random.integers(-300, 300, 300)).tolist()
+    lines = [" ".join(map(repr, values[k : k + 3])) for k in range(0, 300, 3)]
+    numbers, widths = read_numbers("\r\n \t\n".join(lines).encode())
+    assert numbers.tolist() == values and widths.tolist() == [3] * 100
+    numbers, widths = read_numbers(b"1 2\n\n 3\nno number", 2)
+    assert numbers.tolist() == [1, 2, 3] and widths.tolist() == [2, 1]
+    assert [len(part) for part in read_numbers(b" \n")] == [len(part) for part in read_numbers(b"")] == [0, 0]
+    with pytest.raises(Misread):
+        read_numbers(b"1 2abc 3")
+
+
+PLAIN_OBJ = b"""# v 9 9 9
+mtllib box.mtl
+o box
+v 0 0 0 # first
+  v\t1 0 0 0.5 0.5 0.5
+v 1 1 0
+vt 0 0
+vn 0 0 1
+v 0 1 0
+usemtl red/blue
+s off
+f 1/1/1 2/1/1 3//1 4
+f 1 2 4"""
+
+
+def test_plain_obj_is_read_here():
+    points, faces = parse_obj(PLAIN_OBJ.replace(b"\n", b"\r\n"))
+    assert points.tolist() == [[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]]
+    assert faces.tolist() == [[0, 1, 2], [0, 2, 3], [0, 1, 3]]
+
+
+@pytest.mark.parametrize(
+    "more",
+    [b"f -1 -2 -3", b"f 1 2 \\\n3", b"f 1 2", b"f 1 2 5", b"f 1 2 x", b"v 1 2", b"v", b"v 1 nan 2", b"l 1 2", b"vp 1"],
+)
+def test_any_other_obj_is_left_to_others(more):
+    assert parse_obj(PLAIN_OBJ + b"\n" + more) is None
+
+
+@pytest.mark.parametrize("suffix, options", [("obj", {}), ("ply", {}), ("ply", {"encoding": "ascii"}), ("off", {})])
+def test_what_is_read_here_is_what_trimesh_reads(tmp_path, suffix, options):
+    ball = trimesh.creation.icosphere(3)
+    path = tmp_path / f"ball.{suffix}"
+    ball.export(path, **options)
+    points, faces = read_mesh(path)
+    other = trimesh.load(path, process=False)
+    assert points[faces].tolist() == np.asarray(other.vertices, float)[other.faces].tolist()

@@ -17,10 +17,11 @@ from test_laws import cases
 
 from reebslice import tilts
 from reebslice.critical import unfold_saddles, vertex_indices
-from reebslice.directions import find_critical_points, find_significant, fewest_levels, heights_along
-from reebslice.heightmesh import find_twins, order_by_height, tilt_points
+from reebslice.directions import fewest_levels, find_significant
+from reebslice.heightmesh import order_by_height, tilt_points
 from reebslice.levels import pierce
 from reebslice.reeb import critical_persistence, surface_reeb_graph
+from reebslice.scanning import find_critical_points, heights_along
 from reebslice.tilts import (
     ANGLE_COST,
     assess_directions,
@@ -91,8 +92,7 @@ def test_fewest_levels_are_the_best_of_all_ways_to_cut(solid, direction, seed):
     significant[list(chosen)] = True
     faces, key, _, found = measured(solid, direction)
     assert found.vertices.tolist() == sorted(graph, key=lambda v: graph.nodes[v]["rank"])
-    twins = find_twins(faces, len(points))
-    assert fewest_levels(faces, twins, key, found, significant) == slow_fewest_levels(graph, chosen)
+    assert fewest_levels(faces, key, found, significant) == slow_fewest_levels(graph, chosen)
 
 
 @cases(60)
@@ -103,7 +103,7 @@ def test_levels_for_all_critical_points_pierce_all_arcs(solid, direction):
     found = find_critical_points(mesh.faces, key)
     assert found.vertices.tolist() == graph.nodes.tolist()
     arcs = list(map(tuple, graph.nodes[graph.arcs].tolist()))
-    assert fewest_levels(mesh.faces, mesh.twins, key, found, found.index != 0) == len(pierce(arcs))
+    assert fewest_levels(mesh.faces, key, found, found.index != 0) == len(pierce(arcs))
 
 
 @cases(60)
@@ -128,9 +128,8 @@ def test_heights_serve_as_ranks_where_nothing_ties(solid, direction):
     faces, key, height, found = measured(solid, direction)
     significant, count = find_significant(faces, key, height, found, tilts.SIGNIFICANT_SHARE * np.ptp(height))
     assert record["persistent"] == count
-    twins = find_twins(faces, len(solid.points))
-    assert record["fewest_levels"] == fewest_levels(faces, twins, key, found, significant)
-    assert record["fewest_levels_exact"] == fewest_levels(faces, twins, key, found, found.index != 0)
+    assert record["fewest_levels"] == fewest_levels(faces, key, found, significant)
+    assert record["fewest_levels_exact"] == fewest_levels(faces, key, found, found.index != 0)
     euler = len(solid.points) - len(faces) // 2
     assert euler == record["critical"]["minima"] - record["critical"]["saddles"] + record["critical"]["maxima"]
 
@@ -191,11 +190,11 @@ def test_more_candidates_contain_the_fewer_and_never_cost_more():
     assert many["cost"] <= few["cost"]
 
 
-def test_blocks_of_directions_change_nothing(monkeypatch):
+def test_directions_assessed_together_are_assessed_as_each_alone():
     part = solids.machined(5)
-    whole = select_tilt(part.points, part.faces, "auto")
-    monkeypatch.setattr(tilts, "HEIGHTS_AT_ONCE", 3 * len(part.points))
-    assert select_tilt(part.points, part.faces, "auto") == whole
+    directions = candidate_directions(19, 15.0, seed=0)
+    together = assess_directions(part.points, part.faces, directions)
+    assert together == [assess_directions(part.points, part.faces, [one])[0] for one in directions]
 
 
 def test_a_flat_box_is_told_apart_by_one_level_however_fine_its_flats():

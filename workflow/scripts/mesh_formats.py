@@ -1,9 +1,10 @@
 """Read mesh files: points and triangles, or a sentence that says what is wrong.
 
-Ordinary files go through trimesh. STL, OFF and triangle strips in PLY are read
-here, because valid files of those kinds defeat the common readers: binary STL
-that begins with "solid" or has a trailing byte, ASCII STL with comments or with
-carriage returns only, OFF with polygons.
+STL, OFF and triangle strips in PLY are read here, because valid files of those
+kinds defeat the common readers: binary STL that begins with "solid" or has a
+trailing byte, ASCII STL with comments or with carriage returns only, OFF with
+polygons. Plain OBJ and PLY are read here because that is faster than to import
+trimesh. Everything else goes through trimesh.
 """
 
 import re
@@ -11,13 +12,11 @@ from pathlib import Path
 
 import numpy as np
 
+from polygon_files import UnreadableMesh, parse_obj, read_strips, read_triangles, take_polygons
 from reebslice.faults import find_fault
+from reebslice.number_lines import Misread, read_numbers
 
 SUFFIXES = (".stl", ".obj", ".ply", ".off", ".glb", ".gltf", ".3mf", ".step", ".stp")
-
-
-class UnreadableMesh(ValueError):
-    """The file holds no usable mesh; the message says why, and the cure."""
 
 
 def read_mesh(path):
@@ -79,8 +78,8 @@ def read_stl(path):
             f" {len(data)} bytes; it is damaged, export the mesh again."
         )
     record = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("attribute", "<u2")])
-    corners = np.frombuffer(data, record, count, 84)["corners"].reshape(-1, 3)
-    return corners, np.arange(3 * count)
+    corners = np.frombuffer(data, record, count, 84)["corners"]
+    return corners.astype(np.float64), np.arange(3 * count)
 
 
 def parse_ascii_stl(data):
@@ -95,12 +94,12 @@ def parse_ascii_stl(data):
             f" {3 * facets}; it is damaged or cut off, export the mesh again."
         )
     try:
-        values = np.array(b" ".join(rows).split(), dtype="S").astype(np.float64)
-        complete = len(values) == 3 * len(rows)
-    except ValueError:
+        values, widths = read_numbers(b"\n".join(rows))
+        complete = len(widths) == len(rows) and bool((widths == 3).all())
+    except Misread:
         complete = False
     if not complete:
-        at = next(i for i, row in enumerate(rows) if not _is_point(row))
+        at = next((i for i, row in enumerate(rows) if not _is_point(row)), 0)
         shown = rows[at].decode("latin-1").strip()[:60]
         raise UnreadableMesh(
             f"The ASCII STL file has a vertex that is not three numbers: '{shown}' (vertex"
@@ -122,48 +121,24 @@ def _is_point(row):
 
 def read_off(path):
     """Read ASCII OFF with its variants of vertex (C, N, ST) and polygons of any size."""
-    text = path.read_bytes().decode("latin-1").replace("\r\n", "\n").replace("\r", "\n")
-    lines = (line.split("#", 1)[0].strip() for line in text.split("\n"))
-    lines = [line for line in lines if line]
-    header = re.match(r"(ST)?C?N?(4)?(n)?OFF\b(.*)", lines[0])
-    if not header or header[2] or header[3] or "BINARY" in lines[0]:
+    text = path.read_bytes().replace(b"\r\n", b"\n").replace(b"\r", b"\n")
+    text = re.sub(rb"#.*", b"", text).lstrip()
+    first, _, rest = text.partition(b"\n")
+    header = re.match(r"(ST)?C?N?(4)?(n)?OFF\b(.*)", first.decode("latin-1"))
+    if not header or header[2] or header[3] or b"BINARY" in first:
         raise UnreadableMesh(
-            f"The file begins with '{lines[0][:30]}', not with OFF, COFF, NOFF or STOFF as a"
+            f"The file begins with '{first.decode('latin-1').strip()[:30]}', not with OFF, COFF, NOFF or STOFF as a"
             " three-dimensional ASCII OFF file does; export the mesh again."
         )
-    lines[0] = header[4].strip()
-    lines = lines if lines[0] else lines[1:]
-    n_points, n_faces = (int(word) for word in lines[0].split()[:2])
-    if len(lines) < 1 + n_points + n_faces:
+    rest = header[4].encode("latin-1") + b"\n" + rest
+    n_points, n_faces = (int(word) for word in rest.split(maxsplit=2)[:2])
+    numbers, widths = read_numbers(rest, 1 + n_points + n_faces)
+    if len(widths) < 1 + n_points + n_faces:
         raise UnreadableMesh(
             f"The OFF file declares {n_points} vertices and {n_faces} faces but ends after"
-            f" {len(lines) - 1} lines; it is cut off, export the mesh again."
+            f" {len(widths) - 1} lines; it is cut off, export the mesh again."
         )
-    points = [line.split()[:3] for line in lines[1 : 1 + n_points]]
-    polygons = [line.split() for line in lines[1 + n_points : 1 + n_points + n_faces]]
-    sizes = np.array([int(words[0]) for words in polygons])
-    corners = [int(word) for words, n in zip(polygons, sizes) for word in words[1 : 1 + n]]
-    return np.array(points, dtype=np.float64), fan_polygons(np.array(corners), sizes)
-
-
-def fan_polygons(corners, sizes):
-    """Cut polygons into triangles that share the first corner.
-
-    corners : ids, polygon after polygon; sizes : corners of each polygon.
-    Polygons of fewer than three corners give none.
-
-    >>> fan_polygons(np.array([4, 5, 6, 7]), np.array([4])).tolist()
-    [[4, 5, 6], [4, 6, 7]]
-    """
-    sizes = np.asarray(sizes, np.int64)
-    if sizes.sum() != len(corners):
-        raise UnreadableMesh("A face names fewer vertices than it declares; export the mesh again.")
-    start = np.cumsum(sizes) - sizes
-    triangles = np.maximum(sizes - 2, 0)
-    polygon = np.repeat(np.arange(len(sizes)), triangles)
-    step = np.arange(len(polygon)) - np.repeat(np.cumsum(triangles) - triangles, triangles)
-    first = start[polygon]
-    return np.asarray(corners)[np.column_stack([first, first + step + 1, first + step + 2])]
+    return take_polygons(numbers[widths[0] :], widths[1:], n_points, n_faces)
 
 
 # --------------------------------------------------------------------------
@@ -171,69 +146,23 @@ def fan_polygons(corners, sizes):
 
 
 def read_ply(path):
-    """Read PLY through trimesh, or, if its faces are triangle strips, here."""
-    with open(path, "rb") as file:
-        head = file.read(1 << 16).split(b"end_header", 1)[0]
-    if re.search(rb"element\s+face\s+[1-9]", head) or b"tristrips" not in head:
-        return read_scene(path)
-    return read_strips(path)
-
-
-def read_strips(path):
-    """Read PLY of scalar vertex properties followed by one list of triangle strips."""
+    """Read PLY whose faces are triangles, or triangle strips, here, and any other through trimesh."""
     data = path.read_bytes()
     head, _, body = data.partition(b"end_header")
+    text = re.sub(r"(comment|obj_info)[^\n]*\n", "", head.decode("latin-1").replace("\r", ""))
     body = body[2:] if body.startswith(b"\r\n") else body[1:]
-    text = head.decode("latin-1")
-    layout = re.search(
-        r"element vertex (\d+)\s+((?:property \w+ \w+\s+)+)element tristrips (\d+)\s+"
-        r"property list (\w+) (\w+) \w+\s*(?:element edge 0\b|$)",
-        re.sub(r"(comment|obj_info)[^\n]*\n", "", text.replace("\r", "")),
-    )
-    if not layout:
-        raise UnreadableMesh(
-            "The PLY file stores triangle strips among other elements, which is not supported;"
-            " export the mesh with ordinary faces."
-        )
-    n_points, n_strips = int(layout[1]), int(layout[3])
-    properties = re.findall(r"property (\w+) (\w+)", layout[2])
-    columns = [name for _, name in properties].index("x") + np.arange(3)
-    if "format ascii" in text:
-        words = np.array(body.split(), dtype=np.float64)
-        points = words[: n_points * len(properties)].reshape(n_points, -1)[:, columns]
-        return points, cut_strips(words[n_points * len(properties) :].astype(np.int64), n_strips)
-    order = ">" if "big_endian" in text else "<"
-    vertex = np.dtype([(name, order + _PLY_TYPES[kind]) for kind, name in properties])
-    table = np.frombuffer(body, vertex, n_points)
-    if _PLY_TYPES[layout[4]][1:] != "4" or _PLY_TYPES[layout[5]][1:] != "4":
-        raise UnreadableMesh("Triangle strips of this width are not supported; export ordinary faces.")
-    strips = np.frombuffer(body[n_points * vertex.itemsize :], order + "i4").astype(np.int64)
-    return np.column_stack([table[name] for name in "xyz"]), cut_strips(strips, n_strips)
+    if re.search(r"element\s+face\s+[1-9]", text) or "tristrips" not in text:
+        return read_triangles(text, body) or read_scene(path)
+    return read_strips(text, body)
 
 
-_PLY_TYPES = dict(char="i1", uchar="u1", short="i2", ushort="u2", int="i4", uint="u4")
-_PLY_TYPES.update(float="f4", double="f8", float32="f4", float64="f8")
-_PLY_TYPES.update(int8="i1", uint8="u1", int16="i2", uint16="u2", int32="i4", uint32="u4")
+# --------------------------------------------------------------------------
+# OBJ
 
 
-def cut_strips(words, n_strips):
-    """Cut `n_strips` lists (length, ids; -1 ends a strip) into triangles of one winding.
-
-    >>> cut_strips(np.array([6, 0, 1, 2, 3, -1, 9]), 1).tolist()
-    [[0, 1, 2], [2, 1, 3]]
-    """
-    at, lists = 0, []
-    for _ in range(n_strips):
-        length = words[at]
-        lists += [words[at + 1 : at + 1 + length], [-1]]
-        at += 1 + length
-    ids = np.concatenate(lists)
-    breaks = np.flatnonzero(ids == -1)
-    begin = np.concatenate([[0], breaks + 1])[np.searchsorted(breaks, np.arange(len(ids)))]
-    odd = (np.arange(len(ids)) - begin) % 2 == 1
-    triangles = np.column_stack([ids[:-2], ids[1:-1], ids[2:]])
-    triangles[odd[:-2]] = triangles[odd[:-2]][:, [1, 0, 2]]
-    return triangles[(triangles >= 0).all(axis=1)]
+def read_obj(path):
+    """Read OBJ of vertices and polygons here, whatever their materials and normals, and any other through trimesh."""
+    return parse_obj(path.read_bytes()) or read_scene(path)
 
 
 # --------------------------------------------------------------------------
@@ -279,4 +208,5 @@ def read_scene(path, **options):
 
 
 READERS = dict.fromkeys(SUFFIXES, read_scene)
-READERS |= {".stl": read_stl, ".off": read_off, ".ply": read_ply, ".step": read_step, ".stp": read_step}
+READERS |= {".stl": read_stl, ".off": read_off, ".ply": read_ply, ".obj": read_obj}
+READERS |= {".step": read_step, ".stp": read_step}

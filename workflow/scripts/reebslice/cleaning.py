@@ -1,8 +1,10 @@
 """The repairs that make a closed surface of the faces of a file, each allowed and noted, or the reason against."""
 
+from typing import NamedTuple
+
 import numpy as np
 
-from . import closing, gluing, shells, touching
+from . import closing, gluing, measures, merging, shells, touching
 from .faults import find_fault, tell_place
 
 REPAIRS = ("merge", "duplicates", "split", "orient")
@@ -24,7 +26,7 @@ def clean_surface(points, faces, options, record):
     """
     if fault := find_fault(points, faces):
         raise Unfit(fault)
-    points, merged = closing.merge_exactly(points, faces)
+    points, merged = merging.merge_exactly(points, faces)
     found = closing.close_surface(points, merged, faces, options["merge_tolerance"])
     _note_closing(points, found, record)
     _check_closed(points, found, options)
@@ -40,19 +42,34 @@ def clean_surface(points, faces, options, record):
         _allow("split", options, record, _tell_apart(points, found))
     if found.apart:
         found = _face_outward(points, found, options, record)
-    found = _drop_flat(points, found, options, record)
-    glued = found.glued
-    opposite = gluing.pair_half_edges(glued.order, glued.starts)
-    component, turned = _wind(points, glued.faces, opposite, record)
-    sides = shells.find_sides(points, glued.faces, component, turned)
-    _note_sides(points, glued.faces, component, sides, options, record)
+    found, walk = _drop_flat(points, found, options, record)
+    faces, (opposite, component, turned, _) = found.glued.faces, walk
+    _check_wound(points, faces, walk, record)
+    sides = shells.find_sides(points, faces, component, turned)
+    _note_sides(points, faces, component, sides, options, record)
     if found.apart:
-        _check_apart(points, glued.faces, sides["flip"])
-    new_faces, origin = gluing.split_pinches(glued.faces, opposite, component)
+        _check_apart(points, faces, sides["flip"])
+    faces, origin = gluing.split_pinches(faces, opposite, component)
     _note_pinches(points, origin, found, options, record)
-    points, new_faces, old = gluing.split_double_edges(points[origin], new_faces, opposite)
-    new_faces = np.where(sides["flip"][old, None], new_faces[:, [0, 2, 1]], new_faces)
-    return points, new_faces, component[old], sides
+    points, flip = points[origin], sides["flip"]
+    if found.apart or found.own_numbering:  # else two vertices have one mesh edge at most
+        points, faces, old = gluing.split_double_edges(points, faces, opposite)
+        component, flip = component[old], flip[old]
+    return points, measures.wind(faces, flip), component, sides
+
+
+class Walk(NamedTuple):
+    """What a walk over the faces of a closed surface finds, see `gluing.label_components`."""
+
+    opposite: np.ndarray  # (3m,) the other half-edge of each mesh edge
+    component: np.ndarray  # (m,)
+    turned: np.ndarray  # (m,) bool
+    conflict: int
+
+
+def _walk(glued):
+    opposite = gluing.pair_half_edges(glued.order, glued.starts)
+    return Walk(opposite, *gluing.label_components(glued.faces, opposite))
 
 
 def _note_closing(points, found, record):
@@ -65,7 +82,7 @@ def _note_closing(points, found, record):
         bounds=[points.min(axis=0).tolist(), points.max(axis=0).tolist()],
         degenerate_faces_removed=found.degenerate + found.collapsed,
         duplicate_faces_removed=found.duplicates + 2 * found.flaps,
-        collinear_faces=count_collinear(points, found.glued.faces),
+        collinear_faces=measures.count_collinear(points, found.glued.faces),
     )
     if found.degenerate:
         record["repairs"].append(f"dropped {found.degenerate} faces with two equal corners")
@@ -73,17 +90,6 @@ def _note_closing(points, found, record):
         record["repairs"].append(
             "kept apart parts that touch along mesh edges, as the file numbers its vertices"
         )
-
-
-def count_collinear(points, faces):
-    """Count the faces whose three distinct corners are in line, to rounding.
-
-    They carry no area, but without them the surface would be open.
-    """
-    a, b, c = (points[faces[:, k]] for k in range(3))
-    doubled = np.linalg.norm(np.cross(b - a, c - a), axis=1)
-    sides = np.linalg.norm(b - a, axis=1) * np.linalg.norm(c - a, axis=1)
-    return int(np.sum(doubled <= 1e-15 * sides))
 
 
 def _check_closed(points, found, options):
@@ -122,24 +128,22 @@ def _check_closed(points, found, options):
     raise Unfit(f"{told}{also if len(edges_open) else ''}.")
 
 
-def _wind(points, faces, opposite, record):
-    component, turned, conflict = gluing.label_components(faces, opposite)
-    record["oriented"] = conflict < 0 and not turned.any()
-    if conflict >= 0:
-        place = tell_place(points[faces.ravel()[conflict]])
+def _check_wound(points, faces, walk, record):
+    """Raise `Unfit` if a part is one-sided."""
+    record["oriented"] = walk.conflict < 0 and not walk.turned.any()
+    if walk.conflict >= 0:
+        place = tell_place(points[faces.ravel()[walk.conflict]])
         raise Unfit(
             "The surface is one-sided (like a Klein bottle): at least 1 part cannot be wound"
             f" consistently, the first conflict is at {place}; a solid has no such boundary,"
             " rebuild that part."
         )
-    return component, turned
 
 
 def _face_outward(points, found, options, record):
     """Turn over parts that face inward and take apart once more: it depends on where the material is."""
-    opposite = gluing.pair_half_edges(found.glued.order, found.glued.starts)
-    component, turned, _ = gluing.label_components(found.glued.faces, opposite)
-    flip = shells.find_sides(points, found.glued.faces, component, turned)["flip"]
+    walk = _walk(found.glued)
+    flip = shells.find_sides(points, found.glued.faces, walk.component, walk.turned)["flip"]
     if not _find_crowded_corners(found.glued.faces, len(points), flip).size:
         return found
     faces = np.where(flip[:, None], found.glued.faces[:, ::-1], found.glued.faces)
@@ -151,19 +155,18 @@ def _face_outward(points, found, options, record):
 
 
 def _drop_flat(points, found, options, record):
-    """Drop the closed parts that lie in a plane, unless nothing else is there."""
-    faces = found.glued.faces
-    opposite = gluing.pair_half_edges(found.glued.order, found.glued.starts)
-    component, turned, _ = gluing.label_components(faces, opposite)
-    wound = np.where(turned[:, None], faces[:, [0, 2, 1]], faces)
-    volumes = shells.measure_shells(points, wound, component, component.max() + 1)[1]
+    """Drop the closed parts that lie in a plane, unless nothing else is there; returns a walk over the rest, too."""
+    faces, walk = found.glued.faces, _walk(found.glued)
+    component = walk.component
+    volumes = measures.measure_shells(points, measures.wind(faces, walk.turned), component, component.max() + 1)[1]
     empty = np.flatnonzero(volumes == 0)
     flat = [one for one in empty if touching.lie_in_plane(points[np.unique(faces[component == one])])]
     if not 0 < len(flat) < len(volumes):
-        return found
+        return found, walk
     told = f"dropped {len(flat)} closed parts that lie in a plane and enclose nothing"
     _allow("duplicates", options, record, told)
-    return found._replace(glued=closing.keep_faces(found.glued, ~np.isin(component, flat)))
+    glued = closing.keep_faces(found.glued, ~np.isin(component, flat))
+    return found._replace(glued=glued), _walk(glued)
 
 
 def _find_crowded_corners(faces, n_vertices, chosen):

@@ -4,12 +4,9 @@ from typing import NamedTuple
 
 import numpy as np
 from numba import njit
-from scipy.sparse import coo_array
-from scipy.sparse.csgraph import connected_components
-from scipy.spatial import cKDTree
 
 from . import gluing, touching
-from .faults import find_used, tell_place
+from .faults import tell_place
 
 
 class Gluing(NamedTuple):
@@ -37,53 +34,10 @@ class Closing(NamedTuple):
     entangled: str = ""  # why mesh edges with more than two faces could not be taken apart
 
 
-def merge_exactly(points, faces):
-    """Merge corners at equal positions, and drop the points that no face uses.
-
-    Returns positions (n, 3), in lexicographic order and without -0.0, and
-    faces (m, 3) over them.
-    """
-    used = find_used(len(points), faces)
-    points = points[used] + 0.0  # -0.0 + 0.0 is 0.0
-    first, name = _find_equal(points.view(np.uint64))
-    order = np.lexsort(points[first].T[::-1])
-    rank = np.empty(len(order), np.int64)
-    rank[order] = np.arange(len(order))
-    place = np.empty(used[-1] + 1, np.int64)
-    place[used] = rank[name]
-    return points[first[order]], place[faces]
-
-
-@njit(cache=True)
-def _find_equal(bits):
-    """The first row of each value, and for every row (n, 3) the number of its value, by a hash table."""
-    n, size = len(bits), 16
-    while size < 2 * n:
-        size *= 2
-    table = np.full(size, np.int32(-1))
-    first, name, count = np.empty(n, np.int32), np.empty(n, np.int32), 0
-    for i in range(n):
-        a, b, c = bits[i]
-        h = a * np.uint64(0x9E3779B97F4A7C15) ^ b * np.uint64(0xC2B2AE3D27D4EB4F) ^ c * np.uint64(0x165667B19E3779F9)
-        h = (h ^ (h >> np.uint64(29))) * np.uint64(0xBF58476D1CE4E5B9)
-        slot = (h ^ (h >> np.uint64(32))) & np.uint64(size - 1)
-        while table[slot] >= 0:
-            j = first[table[slot]]
-            if bits[j, 0] == a and bits[j, 1] == b and bits[j, 2] == c:
-                break
-            slot = (slot + np.uint64(1)) & np.uint64(size - 1)
-        if table[slot] < 0:
-            table[slot] = count
-            first[count] = i
-            count += 1
-        name[i] = table[slot]
-    return first[:count].copy(), name
-
-
 def close_surface(points, faces, numbering, largest):
     """Look for the smallest change that makes the faces a closed surface.
 
-    points, faces : of `merge_exactly`. numbering : (m, 3) the faces as the
+    points, faces : of `merging.merge_exactly`. numbering : (m, 3) the faces as the
     file numbers them. largest : the largest relative tolerance to try.
 
     In this order, until every mesh edge has exactly two faces: equal corners
@@ -94,11 +48,12 @@ def close_surface(points, faces, numbering, largest):
     Returns a `Closing`; its gluing is as found if nothing closes it.
     """
     distinct = find_distinct(faces)
-    exact = glue(faces[distinct], len(points))
-    best = Closing(exact, exact, int(np.sum(~distinct)), 0, 0.0, 0, 0, False)
+    proper = faces if distinct.all() else faces[distinct]
+    exact = glue(proper, len(points))
+    best = Closing(exact, exact, len(faces) - len(proper), 0, 0.0, 0, 0, False)
     if is_closed(exact):
         return best
-    own = glue(faces[distinct], len(points), numbering[distinct])
+    own = glue(proper, len(points), numbering[distinct])
     if is_closed(own):
         return best._replace(glued=own, own_numbering=True)
     untied = untie(points, best, largest * np.ptp(points, axis=0).max())
@@ -184,6 +139,10 @@ def merge_nearby(points, candidates, tolerance):
     so the order of the points decides nothing. Returns None if a cluster grows
     beyond four tolerances, where merging would tear rather than mend.
     """
+    from scipy.sparse import coo_array  # takes half a second, and few meshes come here
+    from scipy.sparse.csgraph import connected_components
+    from scipy.spatial import cKDTree
+
     stand_in = np.arange(len(points))
     if not len(candidates):
         return stand_in
@@ -212,8 +171,16 @@ def loses_part(merged, kept):
 
 def find_distinct(faces):
     """Return (m,) bool: the faces with three different corners."""
-    a, b, c = faces.T
-    return (a != b) & (b != c) & (c != a)
+    return _find_distinct(np.ascontiguousarray(faces, np.int64))
+
+
+@njit(cache=True)
+def _find_distinct(faces):
+    distinct = np.empty(len(faces), np.bool_)
+    for f in range(len(faces)):
+        a, b, c = faces[f]
+        distinct[f] = a != b and b != c and c != a
+    return distinct
 
 
 def drop_duplicates(faces):

@@ -16,20 +16,66 @@ def order_corners(faces, n_vertices):
     does not change their order, and faces with the same corners are neighbours;
     of those, the ones that run 0, 1, 2 come before the ones that run 0, 2, 1.
     """
-    first = np.argmin(faces, axis=1)
-    turns = (first[:, None] + np.arange(3)) % 3
-    _, second, third = np.take_along_axis(faces, turns, axis=1).T
-    runs = np.argsort(second > third, kind="stable")
-    rows = runs[order_rows(np.sort(faces, axis=1)[runs], n_vertices)]
-    return 3 * rows[:, None] + turns[rows]
+    first, low, middle, high, against = _sort_corners(np.ascontiguousarray(faces, np.int64))
+    rows = sort_stably((against, 2), (high, n_vertices), (middle, n_vertices), (low, n_vertices))
+    return _turn_corners(rows, first)
+
+
+@njit(cache=True)
+def _sort_corners(faces):
+    """Of each face the corner of its smallest id; its three ids, ascending; 1 if it runs 0, 2, 1, else 0."""
+    m = len(faces)
+    first, against = np.empty(m, np.int64), np.empty(m, np.int64)
+    low, middle, high = np.empty(m, np.int64), np.empty(m, np.int64), np.empty(m, np.int64)
+    for f in range(m):
+        k = 1 if faces[f, 1] < faces[f, 0] else 0
+        k = 2 if faces[f, 2] < faces[f, k] else k
+        second, third = faces[f, (k + 1) % 3], faces[f, (k + 2) % 3]
+        first[f], low[f], middle[f], high[f] = k, faces[f, k], min(second, third), max(second, third)
+        against[f] = second > third
+    return first, low, middle, high, against
+
+
+@njit(cache=True)
+def _turn_corners(rows, first):
+    """The corners (m, 3) of the faces `rows`, beginning at their corners `first`."""
+    corners = np.empty((len(rows), 3), np.int64)
+    for i in range(len(rows)):
+        for k in range(3):
+            corners[i, k] = 3 * rows[i] + (first[rows[i]] + k) % 3
+    return corners
 
 
 def order_rows(rows, n_vertices):
     """Argsort, stable and lexicographic, of (m, 3) ids below n_vertices."""
-    a, b, c = rows.T.astype(np.int64)
-    if n_vertices < 2**21:  # three ids fit one key: one sort instead of three
-        return np.argsort((a * n_vertices + b) * n_vertices + c, kind="stable")
-    return np.lexsort((c, a * n_vertices + b))
+    a, b, c = np.ascontiguousarray(rows.T, np.int64)
+    return sort_stably((c, n_vertices), (b, n_vertices), (a, n_vertices))
+
+
+def sort_stably(*keys):
+    """Argsort by whole numbers, the most significant last as `np.lexsort` has it; linear in time.
+
+    keys : pairs of an array (m,) int64 and a bound that its numbers, none negative, stay below.
+    """
+    order = np.arange(len(keys[0][0]))
+    for numbers, bound in keys:
+        order = _sort_by(numbers, order, bound)
+    return order
+
+
+@njit(cache=True)
+def _sort_by(numbers, order, bound):
+    """Put `order` in order of numbers[order], by counting, equal ones left as they are."""
+    fill = np.zeros(bound + 1, np.int64)
+    for number in numbers:
+        fill[number + 1] += 1
+    for number in range(bound):
+        fill[number + 1] += fill[number]
+    out = np.empty_like(order)
+    for i in order:
+        out[fill[numbers[i]]] = i
+        fill[numbers[i]] += 1
+    return out
 
 
 def group_half_edges(faces, n_vertices):
@@ -38,14 +84,29 @@ def group_half_edges(faces, n_vertices):
     Returns `order`, (3m,) half-edges sorted by mesh edge, and `starts`, the
     (e + 1,) offsets in it at which the mesh edges begin and end.
     """
-    begin = faces.ravel()
-    end = np.roll(faces, -1, axis=1).ravel()
-    key = np.minimum(begin, end) * n_vertices + np.maximum(begin, end)
-    order = np.argsort(key, kind="stable")
-    key = key[order]
-    new = np.flatnonzero(key[1:] != key[:-1]) + 1
-    starts = np.concatenate([[0], new, [len(key)]]) if len(key) else np.zeros(1, int)
-    return order, starts
+    low, high = _find_ends(np.ascontiguousarray(faces, np.int64))
+    order = sort_stably((high, n_vertices), (low, n_vertices))
+    return order, _find_starts(low, high, order)
+
+
+@njit(cache=True)
+def _find_ends(faces):
+    """The smaller and the larger id on each half-edge, two (3m,)."""
+    low, high = np.empty(3 * len(faces), np.int64), np.empty(3 * len(faces), np.int64)
+    for h in range(len(low)):
+        one, two = faces[h // 3, h % 3], faces[h // 3, (h % 3 + 1) % 3]
+        low[h], high[h] = min(one, two), max(one, two)
+    return low, high
+
+
+@njit(cache=True)
+def _find_starts(low, high, order):
+    starts, count = np.zeros(len(order) + 1, np.int64), 0
+    for i in range(1, len(order) + 1):
+        if i == len(order) or low[order[i]] != low[order[i - 1]] or high[order[i]] != high[order[i - 1]]:
+            count += 1
+            starts[count] = i
+    return starts[: count + 1].copy()
 
 
 def pair_half_edges(order, starts):
@@ -100,23 +161,6 @@ def label_components(faces, opposite):
 
 
 @njit(cache=True)
-def _find(parent, item):
-    while parent[item] != item:
-        parent[item] = parent[parent[item]]
-        item = parent[item]
-    return item
-
-
-@njit(cache=True)
-def _unite(parent, one, two):
-    one, two = _find(parent, one), _find(parent, two)
-    if one < two:
-        parent[two] = one
-    else:
-        parent[one] = two
-
-
-@njit(cache=True)
 def label_corners(faces, opposite):
     """Return (3m,) the first corner of each corner's fan of faces.
 
@@ -125,22 +169,16 @@ def label_corners(faces, opposite):
     cycle of the vertex's link.
     """
     n_corners = 3 * len(faces)
-    parent = np.arange(n_corners)
-    for corner in range(n_corners):
-        other = opposite[corner]
-        if other < corner:
-            continue
-        ahead = corner + 1 if corner % 3 < 2 else corner - 2
-        other_ahead = other + 1 if other % 3 < 2 else other - 2
-        if faces[corner // 3, corner % 3] == faces[other // 3, other % 3]:
-            _unite(parent, corner, other)
-            _unite(parent, ahead, other_ahead)
-        else:
-            _unite(parent, corner, other_ahead)
-            _unite(parent, ahead, other)
-    for corner in range(n_corners):
-        parent[corner] = _find(parent, corner)
-    return parent
+    label = np.full(n_corners, -1)
+    for first in range(n_corners):
+        corner, ahead = first, True  # the fan goes on over the half-edge that begins here, or that ends here
+        while label[corner] < 0:
+            label[corner] = first
+            half_edge = corner if ahead else (corner + 2 if corner % 3 == 0 else corner - 1)
+            other = opposite[half_edge]
+            ahead = faces[other // 3, other % 3] != faces[corner // 3, corner % 3]
+            corner = (other + 1 if other % 3 < 2 else other - 2) if ahead else other
+    return label
 
 
 def split_pinches(faces, opposite, component):
@@ -154,7 +192,8 @@ def split_pinches(faces, opposite, component):
     fans = label_corners(faces, opposite)
     firsts = np.flatnonzero(fans == np.arange(len(fans)))
     vertex = faces.ravel()
-    firsts = firsts[np.lexsort((component[firsts // 3], vertex[firsts]))]
+    keys = (component[firsts // 3], component.max(initial=-1) + 1), (vertex[firsts], vertex.max(initial=-1) + 1)
+    firsts = firsts[sort_stably(*keys)]
     number = np.empty(len(fans), np.int64)
     number[firsts] = np.arange(len(firsts))
     return number[fans].reshape(-1, 3), vertex[firsts]

@@ -7,8 +7,6 @@ touch, rounding would decide whether they unite, so such a union is refused.
 
 import manifold3d
 import numpy as np
-from scipy.sparse import coo_array
-from scipy.sparse.csgraph import connected_components
 
 from .faults import tell_place
 
@@ -46,6 +44,9 @@ def unite_bodies(points, faces, body):
 
 
 def _cluster_boxes(points, faces, body, n_bodies):
+    from scipy.sparse import coo_array  # takes half a second, and few runs come here
+    from scipy.sparse.csgraph import connected_components
+
     corners = points[faces]
     low, high = np.full((n_bodies, 3), np.inf), np.full((n_bodies, 3), -np.inf)
     np.minimum.at(low, body, corners.min(axis=1))

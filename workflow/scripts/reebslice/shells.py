@@ -5,49 +5,12 @@ faces are counter-clockwise seen from outside it (it encloses a volume), -1
 where they are clockwise (it encloses a void).
 """
 
-from fractions import Fraction
-
 import numpy as np
 from numba import njit
 
+from . import measures
+
 SAMPLES = 33  # faces of a shell that vote on what it is inside
-
-
-def measure_shells(points, faces, shell, n_shells):
-    """Return the area and the signed volume of each shell, two (s,) float64.
-
-    points (n, 3) and faces (m, 3) in mesh units; shell (m,) the shell of each
-    face. Volumes are taken about a point of the shell, so that a small part
-    far from the origin keeps its digits; where rounding could hide the sign,
-    the volume is summed exactly: 0.0 means that it is zero.
-    """
-    first = np.full(n_shells, len(faces))
-    np.minimum.at(first, shell, np.arange(len(faces)))
-    centre = points[faces[first, 0]]
-    a, b, c = (points[faces[:, k]] - centre[shell] for k in range(3))
-    area = np.linalg.norm(np.cross(b - a, c - a), axis=1) / 2
-    share = np.einsum("ij,ij->i", a, np.cross(b, c)) / 6
-    size = np.einsum("ij,ij->i", np.abs(a), np.abs(b)[:, [1, 2, 0]] * np.abs(c)[:, [2, 0, 1]])
-    size += np.einsum("ij,ij->i", np.abs(a), np.abs(b)[:, [2, 0, 1]] * np.abs(c)[:, [1, 2, 0]])
-    areas, volumes, sizes = (
-        np.bincount(shell, weights, n_shells) for weights in (area, share, size)
-    )
-    # Differences and products round by 1e-16 each, sums by the square root of their length.
-    noise = 2e-15 * sizes * np.sqrt(np.bincount(shell, minlength=n_shells))
-    for doubtful in np.flatnonzero(np.abs(volumes) <= noise):
-        volumes[doubtful] = sum_volume_exactly(points, faces[shell == doubtful])
-    return areas, volumes
-
-
-def sum_volume_exactly(points, faces):
-    """Return the signed volume of closed `faces`, correctly rounded."""
-    used, local = np.unique(faces, return_inverse=True)
-    exact = [[Fraction(float(x)) for x in point] for point in points[used]]
-    six = Fraction(0)
-    for i, j, k in local.reshape(-1, 3):
-        (ax, ay, az), (bx, by, bz), (cx, cy, cz) = exact[i], exact[j], exact[k]
-        six += ax * (by * cz - bz * cy) + ay * (bz * cx - bx * cz) + az * (bx * cy - by * cx)
-    return float(six / 6)
 
 
 def find_enclosing(points, faces, shell, n_shells):
@@ -58,13 +21,13 @@ def find_enclosing(points, faces, shell, n_shells):
     on the shell itself, to rounding, do not vote, so that of two coinciding
     shells none encloses the other.
     """
-    order = np.argsort(shell, kind="stable")
-    bounds = np.searchsorted(shell[order], np.arange(n_shells + 1))
-    members = [order[bounds[s] : bounds[s + 1]] for s in range(n_shells)]
-    low = np.array([points[faces[member]].min(axis=(0, 1)) for member in members])
-    high = np.array([points[faces[member]].max(axis=(0, 1)) for member in members])
-    centres = [_sample_centres(points, faces[member]) for member in members]
     enclosing = [[] for _ in range(n_shells)]
+    if n_shells == 1:
+        return enclosing
+    order = np.argsort(shell, kind="stable")
+    members = np.split(order, np.cumsum(np.bincount(shell, minlength=n_shells))[:-1])
+    low, high = _find_boxes(points, faces, shell, n_shells)
+    centres = [_sample_centres(points, faces, member) for member in members]
     for outer in range(n_shells):
         boxed = np.all((low >= low[outer]) & (high <= high[outer]), axis=1)
         boxed[outer] = False
@@ -76,8 +39,20 @@ def find_enclosing(points, faces, shell, n_shells):
     return enclosing
 
 
-def _sample_centres(points, faces):
-    chosen = np.unique(np.linspace(0, len(faces) - 1, SAMPLES).astype(np.int64))
+@njit(cache=True)
+def _find_boxes(points, faces, shell, n_shells):
+    """The lowest and the highest coordinates of each shell, two (s, 3)."""
+    low, high = np.full((n_shells, 3), np.inf), np.full((n_shells, 3), -np.inf)
+    for f in range(len(faces)):
+        for v in faces[f]:
+            for axis in range(3):
+                low[shell[f], axis] = min(low[shell[f], axis], points[v, axis])
+                high[shell[f], axis] = max(high[shell[f], axis], points[v, axis])
+    return low, high
+
+
+def _sample_centres(points, faces, member):
+    chosen = member[np.unique(np.linspace(0, len(member) - 1, SAMPLES).astype(np.int64))]
     a, b, c = (points[faces[chosen, k]] for k in range(3))
     return a + ((b - a) + (c - a)) / 3
 
@@ -172,8 +147,7 @@ def find_sides(points, faces, shell, turned):
     (consistent, but turned over as a whole).
     """
     n_shells = shell.max() + 1
-    wound = np.where(turned[:, None], faces[:, [0, 2, 1]], faces)
-    areas, volumes = measure_shells(points, wound, shell, n_shells)
+    areas, volumes = measures.measure_shells(points, measures.wind(faces, turned), shell, n_shells)
     free = np.bincount(shell, turned, n_shells) > 0
     enclosing = find_enclosing(points, faces, shell, n_shells)
     before = np.sign(volumes).astype(np.int64)

@@ -4,8 +4,11 @@ import math
 
 import numpy as np
 
-from .directions import fewest_levels, find_critical_points, find_significant, heights_along
-from .heightmesh import find_twins, height_order, tilt_points
+from numba import njit
+
+from .directions import fewest_levels, find_significant
+from .heightmesh import height_order, tilt_points
+from .scanning import find_critical_points, find_rings, scan_directions
 
 MODES = ("auto", "none", "direction")
 
@@ -16,8 +19,6 @@ SIGNIFICANT_SHARE = 0.02
 ANGLE_COST = 0.1
 # Where more levels than these are needed, noise rules, and they are not counted.
 MOST_LEVELS = 1000
-# Heights computed at a time, so that they stay in the cache.
-HEIGHTS_AT_ONCE = 2**18
 # What is recorded of the candidates that are not chosen.
 CANDIDATE_FIGURES = (
     "direction",
@@ -96,29 +97,25 @@ def assess_directions(points, faces, directions):
     mean of the two, so that either matters in proportion, and a little for the
     angle to z.
     """
-    points, faces = np.asarray(points, float), np.ascontiguousarray(faces, np.int32)
-    twins = find_twins(faces, len(points))
-    step = max(1, HEIGHTS_AT_ONCE // len(points))
-    records = []
-    for first in range(0, len(directions), step):
-        block = np.asarray(directions[first : first + step], float)
-        heights = heights_along(points, block)
-        records += [_assess(points, faces, twins, *pair) for pair in zip(block, heights)]
-    return records
+    points, faces = np.ascontiguousarray(points, float), np.ascontiguousarray(faces, np.int32)
+    directions, rings = np.array(directions, float), find_rings(faces, len(points))
+    scans = scan_directions(points, faces, rings, directions)
+    rounding = height_rounding(points, directions).tolist()
+    return [_assess(points, faces, *case, *scan) for *case, scan in zip(directions, rounding, scans)]
 
 
-def _assess(points, faces, twins, direction, height):
-    key, found = height, find_critical_points(faces, height)
-    margin, rounding = float(found.margin), height_rounding(points, direction)
+def _assess(points, faces, direction, rounding, height, found):
+    key, margin = height, float(found.margin)
     if len(found.vertices) == 0:  # heights tie
         key = sos_ranks(points, direction)
-        found = find_critical_points(faces, key)
-    significant, persistent = find_significant(faces, key, height, found, SIGNIFICANT_SHARE * float(np.ptp(height)))
-    levels = fewest_levels(faces, twins, key, found, significant, MOST_LEVELS)
-    exact = fewest_levels(faces, twins, key, found, found.index != 0, MOST_LEVELS)
+        found = find_critical_points(faces, key, found.rings)
+    ends = height[found.vertices[[0, -1]]]
+    significant, persistent = find_significant(faces, key, height, found, SIGNIFICANT_SHARE * float(ends[1] - ends[0]))
+    levels = fewest_levels(faces, key, found, significant, MOST_LEVELS)
+    every = found.index != 0
+    exact = levels if significant[found.vertices].all() else fewest_levels(faces, key, found, every, MOST_LEVELS)
     angle = float(np.degrees(np.arctan2(np.hypot(direction[0], direction[1]), direction[2])))
-    lowest = found.down[found.vertices] == found.vertices
-    index = found.index[found.vertices]
+    index, lowest = found.index[found.vertices], found.lowest
     return {
         "direction": direction.tolist(),
         "angle": angle,
@@ -144,12 +141,23 @@ def sos_ranks(points, direction):
     return rank
 
 
-def height_rounding(points, direction):
-    """What rounding can change in the difference of two heights, mesh units.
+def height_rounding(points, directions):
+    """What rounding can change in the difference of two heights along each of (k, 3) directions, (k,) mesh units.
 
     Three products and two sums round by at most 3 u of the sum of magnitudes
     each (Higham 2002, section 3.1); along a coordinate axis nothing rounds.
     """
-    if np.count_nonzero(direction) == 1 and np.abs(direction).max() == 1:
-        return 0.0
-    return float(2 * 3 * 2.0**-53 * (1 + 1e-9) * heights_along(np.abs(points), np.abs(direction)[None]).max())
+    sizes = np.abs(np.asarray(directions, float))
+    along_axis = (np.count_nonzero(sizes, axis=1) == 1) & (sizes.max(axis=1) == 1)
+    rounding = 2 * 3 * 2.0**-53 * (1 + 1e-9) * _largest_sums(np.ascontiguousarray(points, float), sizes)
+    return np.where(along_axis, 0.0, rounding)
+
+
+@njit(cache=True)
+def _largest_sums(points, sizes):
+    largest = np.zeros(len(sizes))
+    for i in range(len(points)):
+        x, y, z = abs(points[i, 0]), abs(points[i, 1]), abs(points[i, 2])
+        for k in range(len(sizes)):
+            largest[k] = max(largest[k], sizes[k, 0] * x + sizes[k, 1] * y + sizes[k, 2] * z)
+    return largest

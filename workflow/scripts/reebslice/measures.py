@@ -1,0 +1,100 @@
+"""Area and volume of shells, summed face by face."""
+
+from fractions import Fraction
+
+import numpy as np
+from numba import njit
+
+
+def wind(faces, turned):
+    """The faces (m, 3), those `turned` (m,) bool over, each from its first corner on."""
+    wound = faces.copy()
+    _turn_over(wound, turned)
+    return wound
+
+
+@njit(cache=True)
+def _turn_over(faces, turned):
+    for f in range(len(faces)):
+        if turned[f]:
+            faces[f, 1], faces[f, 2] = faces[f, 2], faces[f, 1]
+
+
+def measure_shells(points, faces, shell, n_shells):
+    """Return the area and the signed volume of each shell, two (s,) float64.
+
+    points (n, 3) and faces (m, 3) in mesh units; shell (m,) the shell of each
+    face. Volumes are taken about a point of the shell, so that a small part
+    far from the origin keeps its digits; where rounding could hide the sign,
+    the volume is summed exactly: 0.0 means that it is zero.
+    """
+    areas, volumes, sizes, counts = _sum_faces(points, faces, shell, n_shells)
+    # Differences and products round by 1e-16 each, sums by the square root of their length.
+    noise = 2e-15 * sizes * np.sqrt(counts)
+    for doubtful in np.flatnonzero(np.abs(volumes) <= noise):
+        volumes[doubtful] = sum_volume_exactly(points, faces[shell == doubtful])
+    return areas, volumes
+
+
+@njit(cache=True)
+def _sum_faces(points, faces, shell, n_shells):
+    """Area, signed volume, what went into the volume in absolute numbers, and faces of each shell."""
+    centre, counts = np.empty((n_shells, 3)), np.zeros(n_shells, np.int64)
+    areas, volumes, sizes = np.zeros(n_shells), np.zeros(n_shells), np.zeros(n_shells)
+    for f in range(len(faces)):
+        s = shell[f]
+        if counts[s] == 0:
+            centre[s] = points[faces[f, 0]]
+        counts[s] += 1
+        ax, ay, az = _spoke(points, faces[f, 0], centre, s)
+        bx, by, bz = _spoke(points, faces[f, 1], centre, s)
+        cx, cy, cz = _spoke(points, faces[f, 2], centre, s)
+        x, y, z = _cross(bx - ax, by - ay, bz - az, cx - ax, cy - ay, cz - az)
+        areas[s] += np.sqrt(x * x + y * y + z * z) / 2
+        x, y, z = _cross(bx, by, bz, cx, cy, cz)
+        volumes[s] += (ax * x + az * z + ay * y) / 6
+        ax, ay, az = abs(ax), abs(ay), abs(az)
+        bx, by, bz, cx, cy, cz = abs(bx), abs(by), abs(bz), abs(cx), abs(cy), abs(cz)
+        sizes[s] += ax * (by * cz + bz * cy) + ay * (bz * cx + bx * cz) + az * (bx * cy + by * cx)
+    return areas, volumes, sizes, counts
+
+
+@njit(cache=True)
+def _spoke(points, one, centres, other):
+    return points[one, 0] - centres[other, 0], points[one, 1] - centres[other, 1], points[one, 2] - centres[other, 2]
+
+
+@njit(cache=True)
+def _cross(ax, ay, az, bx, by, bz):
+    return ay * bz - az * by, az * bx - ax * bz, ax * by - ay * bx
+
+
+def count_collinear(points, faces):
+    """Count the faces whose three distinct corners are in line, to rounding.
+
+    They carry no area, but without them the surface would be open.
+    """
+    return _count_collinear(points, np.ascontiguousarray(faces, np.int64))
+
+
+@njit(cache=True)
+def _count_collinear(points, faces):
+    count = 0
+    for f in range(len(faces)):
+        bx, by, bz = _spoke(points, faces[f, 1], points, faces[f, 0])
+        cx, cy, cz = _spoke(points, faces[f, 2], points, faces[f, 0])
+        x, y, z = _cross(bx, by, bz, cx, cy, cz)
+        sides = np.sqrt(bx * bx + by * by + bz * bz) * np.sqrt(cx * cx + cy * cy + cz * cz)
+        count += np.sqrt(x * x + y * y + z * z) <= 1e-15 * sides
+    return count
+
+
+def sum_volume_exactly(points, faces):
+    """Return the signed volume of closed `faces`, correctly rounded."""
+    used, local = np.unique(faces, return_inverse=True)
+    exact = [[Fraction(float(x)) for x in point] for point in points[used]]
+    six = Fraction(0)
+    for i, j, k in local.reshape(-1, 3):
+        (ax, ay, az), (bx, by, bz), (cx, cy, cz) = exact[i], exact[j], exact[k]
+        six += ax * (by * cz - bz * cy) + ay * (bz * cx - bx * cz) + az * (bx * cy - by * cx)
+    return float(six / 6)
