@@ -11,9 +11,10 @@ from pipeline import run_stages
 from batches import Rejected
 from reebslice import slicing
 from reebslice.critical import unfold_saddles, vertex_indices
+from reebslice.curves import close_curves, pack_curves
 from reebslice.heightmesh import order_by_height
 from reebslice.levels import (
-    crowded_blocks,
+    crowded_points,
     cut_between,
     cut_surface,
     feature_scale,
@@ -24,7 +25,7 @@ from reebslice.levels import (
 )
 from reebslice.pairing import connected_vertices
 from reebslice.slicing import measure_contours, trace_contours
-from reebslice.tables import closed_curves, contours_table
+from reebslice.tables import contours_table
 
 
 def mesh_of(solid, seed=None):
@@ -165,7 +166,7 @@ def test_exact_refinement_leaves_nothing_open(solid, seed):
     mesh = mesh_of(solid, seed if seed else None)
     slices, refined = slice_surface(mesh, connected_vertices(mesh), np.ptp(mesh.points[:, 2]) / 3, "exact")
     assert not {"compound", "unseen"} & set(slices.pieces.kinds())
-    assert crowded_blocks(slices) == []
+    assert not crowded_points(slices)[1].any()
     assert (~refined).sum() == 3
 
 
@@ -188,14 +189,6 @@ def test_refinement_by_feature_leaves_small_things_alone():
 
     assert cut_by(4.5) == (["birth", "death"], 0)
     assert cut_by(3.5)[1] > 0 and cut_by(3.5)[0].count("death") == 2
-
-
-def test_closed_curves_drop_points_that_coincide():
-    points = np.array([[0, 0], [0, 0], [1, 0], [1, 1], [0, 0], [5, 5], [5, 5]], float)
-    curves = closed_curves(points, np.array([0, 5, 7]))
-    assert shapely.to_wkt(curves[0], rounding_precision=0) == "LINESTRING (1 0, 1 1, 0 0, 1 0)"
-    assert shapely.get_num_points(curves).tolist() == [4, 2]
-    assert shapely.is_closed(curves).all()
 
 
 def test_the_tables_do_not_depend_on_the_order_of_the_input():

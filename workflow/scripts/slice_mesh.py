@@ -5,8 +5,8 @@ import numpy as np
 from batches import Rejected, run_batch
 from reebslice.levels import feature_scale, slice_surface
 from reebslice.slicing import TooManyCrossings
-from reebslice.tables import contours_table, levels_table, pieces_table
-from storage import write_table
+from reebslice.tables import contours_blocks, levels_table, pieces_table
+from storage import write_blocks, write_table
 from surfaces import read_height_mesh, vertex_bodies
 
 OUTPUTS = ("levels.parquet", "contours.parquet", "pieces.parquet")
@@ -25,7 +25,7 @@ def main(source, target, options):
             "levels: {refine: feature}, which does not tell all of the noise apart."
         ) from None
     write_table(target / "levels.parquet", "levels", levels_table(slices, refined))
-    write_table(target / "contours.parquet", "contours", contours_table(mesh, slices, shell))
+    write_blocks(target / "contours.parquet", "contours", contours_blocks(mesh, slices, shell))
     write_table(target / "pieces.parquet", "pieces", pieces_table(mesh, slices, shell))
 
 

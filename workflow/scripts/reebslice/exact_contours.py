@@ -44,17 +44,12 @@ class ExactContours:
     def tilt(self):
         return exact_tilt(self.mesh.points)
 
-    @cached_property
-    def first(self):
-        """A half-edge that each contour crosses, (C,)."""
-        _, crossing = np.unique(self.contours.label, return_index=True)
-        return np.searchsorted(self.contours.offset, crossing, side="right") - 1
-
     def corners(self, contour):
         """Corners [(x, y)] of a contour, fractions in its tilted plane; neighbours differ."""
         if contour not in self.known:
             cut = self.levels.below[self.contours.level[contour]]
-            low, high = walk_crossings(self.mesh.faces, self.mesh.twins, self.first[contour], cut)
+            first = int(self.contours.first[contour])
+            low, high = walk_crossings(self.mesh.faces, self.mesh.twins, first, cut)
             self.known[contour] = locate_corners(self.mesh.points, low.tolist(), high.tolist(), cut, self.tilt)
         return self.known[contour]
 

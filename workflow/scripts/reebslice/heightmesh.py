@@ -37,20 +37,57 @@ def tilt_points(points, rotation):
     Computed element by element: a matrix product may round a row differently
     depending on its place in the array, and ranks must not depend on that.
     """
-    x, y, z = np.asarray(points, float).T
-    return np.column_stack([a * x + b * y + c * z for a, b, c in np.asarray(rotation, float)])
+    return _rotate(np.ascontiguousarray(points, dtype=float), np.ascontiguousarray(rotation, dtype=float))
+
+
+@njit(cache=True)
+def _rotate(points, rotation):
+    out = np.empty(points.shape)
+    for i in range(points.shape[0]):
+        x, y, z = points[i, 0], points[i, 1], points[i, 2]
+        for r in range(3):
+            out[i, r] = rotation[r, 0] * x + rotation[r, 1] * y + rotation[r, 2] * z
+    return out
 
 
 def height_order(points):
     """Surface vertices (n,) in ascending order of (z, x, y, id)."""
-    x, y, z = np.ascontiguousarray(points.T)
+    z = np.ascontiguousarray(points[:, 2])
     order = np.argsort(z)
-    same = z[order[1:]] == z[order[:-1]]
-    if same.any():  # ties are few, but in flats: only these are compared any further
-        tied = np.flatnonzero(np.append(same, False) | np.append(False, same))
+    tied = _order_few(order, np.ascontiguousarray(points))
+    if len(tied):  # flats
         chosen = np.sort(order[tied])
-        order[tied] = chosen[np.lexsort((y[chosen], x[chosen], z[chosen]))]
+        order[tied] = chosen[np.lexsort((points[chosen, 1], points[chosen, 0], z[chosen]))]
     return order.astype(np.int32)
+
+
+@njit(cache=True)
+def _order_few(order, points):
+    """Put vertices in order where few tie in height, by insertion; returns the places in `order` where many do."""
+    many, count, start = np.empty(len(order), np.int64), 0, 0
+    for end in range(1, len(order) + 1):
+        if end < len(order) and points[order[end], 2] == points[order[start], 2]:
+            continue
+        if end - start > 16:
+            many[count : count + end - start] = np.arange(start, end)
+            count += end - start
+        else:
+            for place in range(start + 1, end):
+                v = order[place]
+                while place > start and _comes_after(points, order[place - 1], v):
+                    order[place] = order[place - 1]
+                    place -= 1
+                order[place] = v
+        start = end
+    return many[:count].copy()
+
+
+@njit(cache=True, inline="always")
+def _comes_after(points, v, w):
+    """Whether v comes after w, of the same height."""
+    if points[v, 0] != points[w, 0]:
+        return points[v, 0] > points[w, 0]
+    return points[v, 1] > points[w, 1] or (points[v, 1] == points[w, 1] and v > w)
 
 
 def order_by_height(points, faces, rotation):
@@ -63,38 +100,66 @@ def order_by_height(points, faces, rotation):
     vertex = height_order(tilted)
     rank = np.empty(len(vertex), np.int32)
     rank[vertex] = np.arange(len(vertex), dtype=np.int32)
-    faces = canonical_faces(rank[faces])
-    return HeightMesh(tilted[vertex], faces, find_twins(faces, len(vertex)), vertex)
-
-
-def canonical_faces(faces):
-    """Faces with their smallest vertex first, in lexicographic order."""
-    return _sort_faces(np.ascontiguousarray(faces, dtype=np.int32), int(faces.max(initial=-1)) + 1)
+    faces = canonical_faces(faces, rank)
+    return HeightMesh(_pick_rows(tilted, vertex), faces, find_twins(faces, len(vertex)), vertex)
 
 
 @njit(cache=True)
-def _sort_faces(faces, n):
-    """A counting sort by the first corner, then by insertion, as few faces share that."""
-    m = faces.shape[0]
-    start = np.zeros(n + 1, np.int64)
+def _pick_rows(points, chosen):
+    """points[chosen], several times as fast for rows of three."""
+    out = np.empty((len(chosen), 3))
+    for i in range(len(chosen)):
+        for k in range(3):
+            out[i, k] = points[chosen[i], k]
+    return out
+
+
+def canonical_faces(faces, rank):
+    """Faces (m, 3) in terms of ranks, the smallest first, in lexicographic order: (m, 3) int32.
+
+    rank : (n,) int32 of every vertex. No two faces may share a corner and
+    the one after it, as none of an oriented edge-manifold do.
+    """
+    return _sort_faces(np.ascontiguousarray(faces, dtype=np.int32), np.ascontiguousarray(rank, dtype=np.int32))
+
+
+@njit(cache=True)
+def _sort_faces(faces, rank):
+    """A counting sort by the first corner, then a sort of the few faces that share it."""
+    m, n = faces.shape[0], len(rank)
+    turned, start = np.empty((m, 3), np.int32), np.zeros(n + 1, np.int32)
     for f in range(m):
-        start[min(faces[f, 0], faces[f, 1], faces[f, 2]) + 1] += 1
-    for v in range(n):
-        start[v + 1] += start[v]
-    fill, out = start[:-1].copy(), np.empty((m, 3), np.int32)
-    for f in range(m):
-        a, b, c = faces[f]
+        a, b, c = rank[faces[f, 0]], rank[faces[f, 1]], rank[faces[f, 2]]
         if b < a and b < c:
             a, b, c = b, c, a
         elif c < a and c < b:
             a, b, c = c, a, b
-        i = fill[a]
-        fill[a] += 1
-        while i > start[a] and (b < out[i - 1, 1] or (b == out[i - 1, 1] and c < out[i - 1, 2])):
-            out[i] = out[i - 1]
-            i -= 1
-        out[i, 0], out[i, 1], out[i, 2] = a, b, c
+        turned[f, 0], turned[f, 1], turned[f, 2] = a, b, c
+        start[a + 1] += 1
+    for v in range(n):
+        start[v + 1] += start[v]
+    fill, out = start[:-1].copy(), np.empty((m, 3), np.int32)
+    for f in range(m):
+        place = fill[turned[f, 0]]
+        fill[turned[f, 0]] += 1
+        out[place, 0], out[place, 1], out[place, 2] = turned[f, 0], turned[f, 1], turned[f, 2]
+    for v in range(n):
+        _sort_fan(out, start[v], start[v + 1])
     return out
+
+
+@njit(cache=True)
+def _sort_fan(faces, first, end):
+    """Shell's sort of the faces from `first` up to `end` by their second corner: far from quadratic in a large fan."""
+    gap = end - first
+    while gap > 1:
+        gap = max(gap * 5 // 11, 1)
+        for f in range(first + gap, end):
+            b, c, place = faces[f, 1], faces[f, 2], f
+            while place >= first + gap and faces[place - gap, 1] > b:
+                faces[place, 1], faces[place, 2] = faces[place - gap, 1], faces[place - gap, 2]
+                place -= gap
+            faces[place, 1], faces[place, 2] = b, c
 
 
 def find_twins(faces, n_vertices):
@@ -113,37 +178,45 @@ def find_twins(faces, n_vertices):
 
 @njit(cache=True)
 def _match_half_edges(faces, n):
-    m = faces.shape[0]
-    start = np.zeros(n + 1, np.int64)
+    """Twins, and a half-edge that has none or more than one; -1 if all have one.
+
+    The half-edges with one lower end are chained, and each is met once by its twin.
+    """
+    m, ends = faces.shape[0], faces.ravel()
+    newest, older = np.full(n, -1, np.int32), np.empty(3 * m, np.int32)
     for f in range(m):
-        for k in range(3):
-            start[min(faces[f, k], faces[f, (k + 1) % 3]) + 1] += 1
+        a, b, c = faces[f, 0], faces[f, 1], faces[f, 2]
+        for k, low in ((0, min(a, b)), (1, min(b, c)), (2, min(c, a))):
+            older[3 * f + k] = newest[low]
+            newest[low] = 3 * f + k
+    twins = np.empty(3 * m, np.int32)
+    met = np.full((n, 2), -1, np.int32)  # per upper end: the lower end last seen, the half-edge between, -1 if matched
     for v in range(n):
-        start[v + 1] += start[v]
-    fill = start[:-1].copy()
-    bucket = np.empty(3 * m, np.int32)
-    for f in range(m):
-        for k in range(3):
-            low = min(faces[f, k], faces[f, (k + 1) % 3])
-            bucket[fill[low]] = 3 * f + k
-            fill[low] += 1
-    twins = np.full(3 * m, -1, np.int32)
-    for v in range(n):
-        for i in range(start[v], start[v + 1]):
-            h = bucket[i]
-            if twins[h] >= 0:
-                continue
-            tail, head = faces[h // 3, h % 3], faces[h // 3, (h % 3 + 1) % 3]
-            for j in range(i + 1, start[v + 1]):
-                g = bucket[j]
-                if faces[g // 3, g % 3] == head and faces[g // 3, (g % 3 + 1) % 3] == tail:
-                    if twins[g] >= 0:
-                        return twins, h
-                    twins[h], twins[g] = g, h
-                    break
-            if twins[h] < 0:
+        h, single = newest[v], 0
+        while h >= 0:
+            tail = ends[h]
+            upper = ends[h - 2 if h % 3 == 2 else h + 1] if tail == v else tail
+            g = met[upper, 1]
+            if met[upper, 0] != v:
+                met[upper, 0], met[upper, 1] = v, h
+                single += 1
+            elif g < 0 or ends[g] == tail:
                 return twins, h
+            else:
+                twins[g], twins[h], met[upper, 1] = h, g, -1
+                single -= 1
+            h = older[h]
+        if single > 0:
+            return twins, _first_single(ends, newest[v], older, met, v)
     return twins, -1
+
+
+@njit(cache=True)
+def _first_single(ends, h, older, met, v):
+    """A half-edge of the chain from h whose twin was not met."""
+    while met[ends[h - 2 if h % 3 == 2 else h + 1] if ends[h] == v else ends[h], 1] != h:
+        h = older[h]
+    return h
 
 
 @njit(cache=True, inline="always")

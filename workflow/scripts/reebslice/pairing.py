@@ -12,15 +12,21 @@ from numba import njit
 from .slicing import vertex_slabs
 
 
-def pair_in_slabs(mesh, levels, contours):
-    """Partner of every vertex inside its slab, (n,) int32, -1 for none.
+def pair_in_slabs(mesh, levels, contours, crossings):
+    """Partner of every vertex inside its slab, (n,) int32, -1 for none, and what is in one piece, (n + 2 C,) int32.
 
     What stays unpaired among the critical points is essential: a cylinder has
     none, an elementary piece one, and their alternating sum over a piece is
-    its Euler characteristic.
+    its Euler characteristic. The second tells of every vertex, then of every
+    contour seen from below, then of every contour seen from above the first
+    of all these in its piece: what a sweep has joined when it leaves a slab.
     """
-    slab = vertex_slabs(mesh, levels)
-    return _pair(mesh, slab, contours.offset, contours.label, len(contours.level))
+    slab, n, c = vertex_slabs(mesh, levels), len(mesh.points), len(contours.level)
+    start, wedge = _wedges(mesh.faces, n)
+    partner = np.full(n, -1, np.int32)
+    _sweep(mesh.faces, slab, *crossings, start, wedge, c, False, partner)
+    root = _sweep(mesh.faces, slab, *crossings, start, wedge, c, True, partner)
+    return partner, _first_members(root, mesh.faces, slab, *crossings, contours.level, contours.first)
 
 
 def connected_vertices(mesh):
@@ -44,67 +50,82 @@ def _components(faces, n):
     return out
 
 
-def _pair(mesh, slab, offset, label, n_contours):
-    n = len(mesh.points)
-    partner = np.full(n, -1, np.int32)
-    for upward in (True, False):
-        start, earlier = _earlier_neighbours(mesh.faces, slab, offset, label, n, upward)
-        order = np.arange(n, dtype=np.int32) if upward else np.arange(n, dtype=np.int32)[::-1].copy()
-        _sweep(order, start, earlier, n_contours, partner)
-    return partner
-
-
 @njit(cache=True)
-def _earlier_neighbours(faces, slab, offset, label, n, upward):
-    """Per vertex, what a sweep has met before it next to it.
+def _wedges(faces, n):
+    """Faces of each vertex v, wedge[start[v]:start[v + 1]], that lead to all that is above and below it.
 
-    Node v < n is a vertex, node n + c the contour c through which the mesh
-    edge leaves the slab.
+    One face per upper wedge of its link and one per lower one, the same: where
+    v is the middle corner, such a wedge begins. An extremum has any one face.
     """
-    start = np.zeros(n + 1, np.int64)
+    start = np.zeros(n + 1, np.int32)
     for f in range(faces.shape[0]):
-        for k in range(3):
-            low, high = faces[f, k], faces[f, (k + 1) % 3]
-            if low < high:
-                start[(high if upward else low) + 1] += 1
+        if faces[f, 1] < faces[f, 2]:
+            start[faces[f, 1] + 1] += 1
+    extreme = start[1:] == 0
     for v in range(n):
-        start[v + 1] += start[v]
-    fill = start[:-1].copy()
-    earlier = np.empty(start[n], np.int64)
+        start[v + 1] += start[v] + extreme[v]
+    fill, wedge = start[:-1].copy(), np.empty(start[n], np.int32)
     for f in range(faces.shape[0]):
-        for k in range(3):
-            low, high = faces[f, k], faces[f, (k + 1) % 3]
-            if low >= high:
-                continue
-            v, node = (high, np.int64(low)) if upward else (low, np.int64(high))
-            if slab[low] != slab[high]:
-                h = 3 * f + k
-                node = n + label[offset[h + 1] - 1 if upward else offset[h]]
-            earlier[fill[v]] = node
-            fill[v] += 1
-    return start, earlier
+        low, middle, high = faces[f, 0], min(faces[f, 1], faces[f, 2]), max(faces[f, 1], faces[f, 2])
+        if middle == faces[f, 1]:
+            wedge[fill[middle]] = f
+            fill[middle] += 1
+        if extreme[low]:
+            wedge[start[low]] = f
+        if extreme[high]:
+            wedge[start[high]] = f
+    return start, wedge
+
+
+@njit(cache=True, inline="always")
+def _beside(faces, slab, offset, label, f, v, c, upward):
+    """What face f connects vertex v to inside its slab, below it if `upward`, else above it: a node of `_sweep`."""
+    low, high = faces[f, 0], max(faces[f, 1], faces[f, 2])
+    end = low if upward else high
+    if slab[end] == slab[v]:
+        return np.int64(c + end if upward else c + len(slab) - 1 - end)
+    return np.int64(label[offset[f] + slab[v] - slab[low] - (1 if upward else 0)])
 
 
 @njit(cache=True)
-def _sweep(order, start, earlier, n_contours, partner):
-    n = len(order)
-    root = np.arange(n + n_contours)
-    age = np.empty(n + n_contours, np.int64)  # of a component's oldest member
-    birth = np.full(n + n_contours, -1, np.int64)  # -1: it came in through a level
-    age[n:] = -1
+def _sweep(faces, slab, offset, label, start, wedge, c, upward, partner):
+    """Pair what ends in a sweep with what it is that ends; returns what each node hangs on, (c + n,) int32.
+
+    Nodes are the contours, which come in through a level, then the vertices
+    in the order of the sweep, so that the root of a component is its oldest.
+    What the faces of one wedge lead to is connected without the vertex.
+    """
+    n = len(slab)
+    root = np.arange(c + n).astype(np.int32)
     for time in range(n):
-        v = order[time]
-        age[v], birth[v] = time, v
+        v = time if upward else n - 1 - time
         for i in range(start[v], start[v + 1]):
-            a, b = find(root, v), find(root, earlier[i])
-            if a == b:
-                continue
-            if age[a] < age[b]:
-                a, b = b, a
-            # a is the younger; it ends here unless it is v itself or came in
-            if birth[a] >= 0 and birth[a] != v:
-                partner[birth[a]], partner[v] = v, birth[a]
-            root[a] = b
+            a, b = find(root, c + time), find(root, _beside(faces, slab, offset, label, wedge[i], v, c, upward))
+            old, young = min(a, b), max(a, b)
+            if c <= young < c + time and young != old:
+                ended = young - c if upward else n - 1 - (young - c)
+                partner[ended], partner[v] = v, ended
+            root[young] = old
+    return root
+
+
+@njit(cache=True)
+def _first_members(root, faces, slab, offset, label, level, first):
+    """The first of each piece: see `pair_in_slabs`. root : of an upward sweep."""
+    n, c = len(slab), len(level)
+    lowest, out = np.full(c + n, -1, np.int32), np.empty(n + 2 * c, np.int32)
+    for node in range(c + n):
+        root[node] = root[root[node]]  # which is older, and a root by now
+    for i in range(n + 2 * c):
+        node = c + i if i < n else i - n - c
+        if n <= i < n + c:  # a contour bounds what its first face comes from
+            k, f = level[i - n], first[i - n] // 3
+            low = faces[f, 0]
+            node = c + low if slab[low] == k else label[offset[f] + k - 1 - slab[low]]
+        if lowest[root[node]] < 0:
+            lowest[root[node]] = i
+        out[i] = lowest[root[node]]
+    return out
 
 
 @njit(cache=True, inline="always")

@@ -6,7 +6,6 @@ import numpy as np
 from numba import njit
 
 from .critical import vertex_indices
-from .pairing import find, join
 from .slicing import vertex_slabs
 
 KIND_OF_ELEMENTARY = {(1, 1): "cylinder", (0, 1): "birth", (1, 0): "death", (2, 1): "join", (1, 2): "split"}
@@ -49,68 +48,45 @@ def kind_of_piece(n_below, n_above, genus):
     return KIND_OF_ELEMENTARY.get((n_below, n_above), "compound") if genus == 0 else "compound"
 
 
-def find_pieces(mesh, levels, contours, partner):
+def find_pieces(mesh, levels, contours, crossings, partner, member):
     """The :class:`Pieces` of a sliced surface.
 
-    partner : (n,) from :func:`pairing.pair_in_slabs`. Every contour bounds
-    exactly one piece below it and one above; that is the exact link between
-    the contours of consecutive levels. The parts of a mesh edge in a slab and
-    the contours around it suffice to connect a piece: a face's part of a slab
-    is convex, and its boundary is made of these.
+    crossings : :class:`slicing.Crossings`; partner : (n,) and member : (n + 2 C,)
+    from :func:`pairing.pair_in_slabs`. Every contour bounds exactly one piece
+    below it and one above; that is the exact link between the contours of
+    consecutive levels.
     """
     slab, n, c = vertex_slabs(mesh, levels), len(mesh.points), len(contours.level)
-    root = _join_pieces(mesh.faces, slab, contours.offset, contours.label, n, c)
-    node_slab = np.concatenate([slab, contours.level, contours.level + 1]) - 1
-    roots, first, inverse = np.unique(root, return_index=True, return_inverse=True)
-    order = np.lexsort((first, node_slab[roots]))
-    name = np.empty(len(roots), np.int32)
-    name[order] = np.arange(len(roots), dtype=np.int32)
-    piece = name[inverse]
+    piece, piece_slab = _number_pieces(member, np.concatenate([slab, contours.level, contours.level + 1]) - 1)
     of_vertex, below, above = piece[:n], piece[n : n + c], piece[n + c :]
-    count = len(roots)
+    count = len(piece_slab)
     n_below = np.bincount(above, minlength=count).astype(np.int32)
     n_above = np.bincount(below, minlength=count).astype(np.int32)
     index = vertex_indices(mesh)
     euler = np.rint(np.bincount(of_vertex, weights=index, minlength=count)).astype(np.int32)
     area, flux = _measure_pieces(
-        mesh.points, mesh.faces, mesh.twins, slab, contours.offset, contours.label,
+        mesh.points, mesh.faces, slab, crossings.offset, crossings.label,
         np.append(levels.height, np.inf), of_vertex, above, count,
     )  # fmt: skip
     essential = np.flatnonzero((index != 0) & (partner < 0))
     critical = _split_by(of_vertex[essential], essential, count)
     genus = (2 - n_below - n_above - euler) // 2
-    return Pieces(
-        node_slab[roots][order].astype(np.int32), of_vertex, above, below,
-        n_below, n_above, euler, genus, area, flux, critical,
-    )  # fmt: skip
+    return Pieces(piece_slab, of_vertex, above, below, n_below, n_above, euler, genus, area, flux, critical)
+
+
+def _number_pieces(member, slab):
+    """Number the pieces by slab, then by first member: the piece of every member, and the slab of every piece."""
+    first = np.flatnonzero(member == np.arange(len(member)))
+    first = first[np.argsort(slab[first], kind="stable")]
+    name = np.empty(len(member), np.int32)
+    name[first] = np.arange(len(first), dtype=np.int32)
+    return name[member], slab[first]
 
 
 def _split_by(group, values, n_groups):
     order = np.argsort(group, kind="stable")
     cuts = np.searchsorted(group[order], np.arange(1, n_groups))
     return np.split(values[order].astype(np.int32), cuts)
-
-
-@njit(cache=True)
-def _join_pieces(faces, slab, offset, label, n, c):
-    """Union-find over vertices, then contours seen from below, then from above."""
-    root = np.arange(n + 2 * c)
-    for f in range(faces.shape[0]):
-        for k in range(3):
-            low, high = faces[f, k], faces[f, (k + 1) % 3]
-            if low > high:
-                continue
-            first, end = offset[3 * f + k], offset[3 * f + k + 1]
-            if first == end:
-                join(root, low, high)
-                continue
-            join(root, low, n + label[first])
-            for i in range(first, end - 1):
-                join(root, n + c + label[i], n + label[i + 1])
-            join(root, high, n + c + label[end - 1])
-    for i in range(len(root)):
-        root[i] = find(root, i)
-    return root
 
 
 @njit(cache=True, inline="always")
@@ -130,7 +106,7 @@ def _below_height(z, z0, z1, z2, x0, x1, x2):
 
 
 @njit(cache=True)
-def _measure_pieces(points, faces, twins, slab, offset, label, ceiling, of_vertex, above, count):
+def _measure_pieces(points, faces, slab, offset, label, ceiling, of_vertex, above, count):
     """Area and flux of (x, 0, 0) of every piece, face by face, slab by slab.
 
     A face in one horizontal plane counts whole where its middle vertex lies.
@@ -148,7 +124,6 @@ def _measure_pieces(points, faces, twins, slab, offset, label, ceiling, of_verte
         if points[a, 2] == points[top, 2]:
             area[of_vertex[middle]] += whole
             continue
-        h = 3 * f if top == b else twins[3 * f + 2]  # upward from a to top
         seen, seen_x = 0.0, 0.0
         for s in range(slab[a], slab[top] + 1):
             share, moment = 1.0, (points[a, 0] + points[b, 0] + points[c, 0]) / 3.0 - centre
@@ -157,7 +132,7 @@ def _measure_pieces(points, faces, twins, slab, offset, label, ceiling, of_verte
                     ceiling[s], points[a, 2], points[middle, 2], points[top, 2],
                     points[a, 0] - centre, points[middle, 0] - centre, points[top, 0] - centre,
                 )  # fmt: skip
-            piece = of_vertex[a] if s == slab[a] else above[label[offset[h] + s - 1 - slab[a]]]
+            piece = of_vertex[a] if s == slab[a] else above[label[offset[f] + s - 1 - slab[a]]]
             area[piece] += whole * (share - seen)
             flux[piece] += 0.5 * nx * (moment - seen_x)
             seen, seen_x = share, moment

@@ -1,11 +1,11 @@
 """Level sets of a surface as closed, oriented contours.
 
-A crossing is a (mesh edge, level) pair, stored on the half-edge that runs
-upward. The crossings of one half-edge cover consecutive levels, so a crossing
-is an offset plus a level, the next one on its contour lies on the face across
-the edge, and the contours are the cycles of a permutation: closed, oriented
-with material on the left, without comparing any coordinates. Time and memory
-grow as faces + crossings.
+A face that a level crosses has one crossing on the mesh edge that runs upward
+in it, so a crossing is a (face, level) pair. The next crossing on its contour
+lies in the face across that edge, and the contours are the cycles of a
+permutation: closed, oriented with material on the left, without comparing any
+coordinates. A plane sweeps upward and keeps the faces that it crosses, so time
+grows as faces + crossings, and levels can be had a block at a time.
 """
 
 from typing import NamedTuple
@@ -15,9 +15,8 @@ from numba import njit
 
 from .heightmesh import cross_at
 
-
-# Beyond these, contours and what is made of them fill more memory (some 60
-# bytes a crossing) than most machines have.
+# A cut holds 20 bytes of each crossing, its point and its label: 5 GB of so many, and the
+# stages that read all contours back hold several times that. trace_blocks knows no bound.
 MOST_CROSSINGS = 250_000_000
 
 
@@ -46,25 +45,38 @@ class Contours(NamedTuple):
     level : (C,) int32
     start : (C + 1,) int64, contour c owns points[start[c]:start[c + 1]]
     points : (X, 2) float64, tilted frame, in order along the contours
-    lower, upper : (C,) int32 ranks of the ends of each contour's first mesh edge
-    offset : (3 m + 1,) int64, label[offset[h] + j] is the contour that crosses
-        half-edge h at its j-th level
-    label : (X,) int32
+    first : (C,) int32, the half-edge, running upward, of each contour's first point
+    lower, upper : (C,) int32, ranks of its ends
     """
 
     level: np.ndarray
     start: np.ndarray
     points: np.ndarray
+    first: np.ndarray
     lower: np.ndarray
     upper: np.ndarray
+
+
+class Crossings(NamedTuple):
+    """Which contour crosses each face at each level.
+
+    offset : (m + 1,) int64, label[offset[f] + j] is the contour that crosses
+        face f at the j-th level above its lowest corner
+    label : (X,) int32
+    """
+
     offset: np.ndarray
     label: np.ndarray
 
 
+NO_CROSSINGS = Crossings(np.zeros(1, np.int64), np.zeros(0, np.int32))
+
+
 def vertex_slabs(mesh, levels):
     """Number of levels below every vertex, (n,) int32: 0 is below them all."""
-    ranks = np.arange(len(mesh.points))
-    return np.searchsorted(levels.below, ranks, side="right").astype(np.int32)
+    n = len(mesh.points)
+    vertices = np.diff(np.concatenate([[0], np.minimum(levels.below, n), [n]]))
+    return np.repeat(np.arange(len(vertices), dtype=np.int32), vertices)
 
 
 def trace_contours(mesh, levels):
@@ -75,83 +87,142 @@ def trace_contours(mesh, levels):
     depend on the order of vertices or faces in the input. Raises
     TooManyCrossings before it takes the memory for them.
     """
+    return _trace_at_once(mesh, levels, NO_CROSSINGS)
+
+
+def trace_crossings(mesh, levels):
+    """The same, and the way from faces to contours: (:class:`Contours`, :class:`Crossings`)."""
+    offset = _first_crossings(mesh.faces, vertex_slabs(mesh, levels))
+    _refuse_too_many(levels, offset[-1])
+    crossings = Crossings(offset, np.empty(offset[-1], np.int32))
+    return _trace_at_once(mesh, levels, crossings), crossings
+
+
+def trace_blocks(mesh, levels, most_crossings):
+    """All contours, of a few consecutive levels at a time: an iterator of :class:`Contours`.
+
+    A block has at most `most_crossings` points, or one level. Levels keep
+    their numbers; contour c of a block is the one of number c + contours of
+    the blocks before in what trace_contours makes of all levels, to the last
+    bit. Beyond the mesh and a block it takes some 20 bytes a face.
+    """
+    count = _count_crossings(mesh.faces, vertex_slabs(mesh, levels), len(levels.height))
+    return _sweep(mesh, levels, NO_CROSSINGS, count, share_out(np.cumsum([0, *count]), most_crossings))
+
+
+def _trace_at_once(mesh, levels, crossings):
+    count = _count_crossings(mesh.faces, vertex_slabs(mesh, levels), len(levels.height))
+    _refuse_too_many(levels, count.sum())
+    return next(_sweep(mesh, levels, crossings, count, [(0, len(count))]))
+
+
+def _refuse_too_many(levels, crossings):
+    if crossings > MOST_CROSSINGS:
+        raise TooManyCrossings(f"{len(levels.height)} levels cross the mesh edges {crossings} times")
+
+
+def share_out(total, most):
+    """Consecutive items, (first, end) of each block, that come to at most `most` together, or are one.
+
+    total : (N + 1,) ascending, what the first so many items come to. At least one block.
+    """
+    first = 0
+    while first == 0 or first < len(total) - 1:
+        end = int(np.searchsorted(total, total[first] + most, side="right")) - 1
+        end = min(max(first + 1, end), len(total) - 1)
+        yield first, end
+        first = max(end, 1)
+
+
+def _sweep(mesh, levels, crossings, count, blocks):
+    """Contours of each block of levels; count : (K,) crossings of each level."""
     slab = vertex_slabs(mesh, levels)
-    offset = _count_crossings(mesh.faces, slab)
-    if offset[-1] > MOST_CROSSINGS:
-        raise TooManyCrossings(f"{len(levels.height)} levels cross the mesh edges {offset[-1]} times")
-    label, level, first = _walk_contours(mesh.faces, mesh.twins, slab, offset)
-    order = np.argsort(level, kind="stable")
-    rename = np.empty(len(order), np.int32)
-    rename[order] = np.arange(len(order), dtype=np.int32)
-    label, level, first = rename[label], level[order], first[order]
-    start = np.zeros(len(level) + 1, np.int64)
-    np.cumsum(np.bincount(label, minlength=len(level)), out=start[1:])
-    points = _trace_points(
-        mesh.points, mesh.faces, mesh.twins, slab, level, first, start,
-        levels.height, levels.tie_x, levels.tie_y,
-    )  # fmt: skip
-    lower = mesh.faces.ravel()[first] if len(first) else np.zeros(0, np.int32)
-    face, corner = np.divmod(first, 3)
-    return Contours(level, start, points, lower, mesh.faces[face, (corner + 1) % 3], offset, label)
+    gates, active = np.empty((len(mesh.faces), 4), np.int32), np.empty((int(count.max(initial=0)), 2), np.int32)
+    progress = np.zeros(2, np.int64)
+    ends = mesh.faces.ravel()
+    for first, end in blocks:
+        points = np.empty((int(count[first:end].sum()), 2))
+        level, start, edge = _trace_levels(
+            mesh.points, mesh.faces, mesh.twins, slab, levels.height, levels.tie_x, levels.tie_y, first, end,
+            gates, active, progress, crossings.offset, crossings.label, points,
+        )  # fmt: skip
+        yield Contours(level, start, points, edge, ends[edge], ends[edge + 1])
 
 
 @njit(cache=True)
-def _count_crossings(faces, slab):
-    m = faces.shape[0]
-    offset = np.zeros(3 * m + 1, np.int64)
-    for f in range(m):
-        for k in range(3):
-            low, high = faces[f, k], faces[f, (k + 1) % 3]
-            rise = slab[high] - slab[low] if low < high else 0
-            offset[3 * f + k + 1] = offset[3 * f + k] + rise
+def _first_crossings(faces, slab):
+    """How many crossings the faces before each one have, (m + 1,) int64."""
+    offset = np.zeros(faces.shape[0] + 1, np.int64)
+    for f in range(faces.shape[0]):
+        offset[f + 1] = offset[f] + slab[max(faces[f, 1], faces[f, 2])] - slab[faces[f, 0]]
     return offset
 
 
-@njit(cache=True, inline="always")
-def _next_crossing(faces, twins, slab, h, level):
-    """The upward half-edge at which the contour through (h, level) crosses next."""
-    down = twins[h]
-    face, corner = down // 3, down % 3
-    third = faces[face, (corner + 2) % 3]
-    return 3 * face + (corner + 1) % 3 if slab[third] > level else 3 * face + (corner + 2) % 3
+@njit(cache=True)
+def _count_crossings(faces, slab, n_levels):
+    """Crossings of each level, (K,) int64: faces entered so far less those left."""
+    count = np.zeros(n_levels + 1, np.int64)
+    for f in range(faces.shape[0]):
+        count[slab[faces[f, 0]]] += 1  # the first corner is the lowest
+        count[slab[max(faces[f, 1], faces[f, 2])]] -= 1
+    return np.cumsum(count)[:-1]
 
 
 @njit(cache=True)
-def _walk_contours(faces, twins, slab, offset):
-    """Contour of every crossing, level and first half-edge of every contour."""
-    label = np.full(offset[-1], -1, np.int32)
-    level, first = [np.int32(0) for _ in range(0)], [np.int64(0) for _ in range(0)]
-    for h in range(3 * faces.shape[0]):
-        if offset[h + 1] == offset[h]:
-            continue
-        base = slab[faces[h // 3, h % 3]]
-        for j in range(offset[h + 1] - offset[h]):
-            if label[offset[h] + j] >= 0:
+def _trace_levels(
+    points, faces, twins, slab, height, tie_x, tie_y, first, end, gates, active, progress, offset, label, out
+):  # fmt: skip
+    """Contours of the levels from `first` up to `end`: their levels, starts and first half-edges.
+
+    Fills in `out`, and `label` unless it is empty. What is kept from block to block:
+    gates : (m, 4) int32 per face that a level crosses: the level from which
+        on its second mesh edge runs through it and not the first, the faces
+        across these two, the last level at which it was crossed
+    active : faces that the level crosses, ascending, and the last level to do so
+    progress : the first face not yet reached, the number of active ones
+    """
+    ends, place = faces.ravel(), 0
+    level, start, edge = [np.int32(0) for _ in range(0)], [np.int64(0)], [np.int32(0) for _ in range(0)]
+    for k in range(first, end):
+        _move_up(faces, twins, slab, k, len(height), gates, active, progress)
+        i, full = 0, place + progress[1]
+        while place < full:
+            f = np.int64(active[i, 0])
+            i += 1
+            if gates[f, 3] == k:
                 continue
-            k = base + j
-            name = len(level)
             level.append(np.int32(k))
-            first.append(h)
-            g = h
-            while True:
-                label[offset[g] + k - slab[faces[g // 3, g % 3]]] = name
-                g = _next_crossing(faces, twins, slab, g, k)
-                if g == h:
-                    break
-    return label, np.array(level, np.int32), np.array(first, np.int64)
+            edge.append(np.int32(3 * f + (k >= gates[f, 0])))
+            while gates[f, 3] != k:
+                gates[f, 3] = k
+                second = np.int64(k >= gates[f, 0])
+                low, high = ends[3 * f + second], ends[3 * f + second + 1]
+                out[place, 0], out[place, 1] = cross_at(points[low], points[high], height[k], tie_x[k], tie_y[k])
+                place += 1
+                if len(label) > 0:
+                    label[offset[f] + k - slab[faces[f, 0]]] = len(level) - 1
+                f = np.int64(gates[f, 1 + second])
+            start.append(place)
+    return np.array(level, np.int32), np.array(start, np.int64), np.array(edge, np.int32)
 
 
 @njit(cache=True)
-def _trace_points(points, faces, twins, slab, level, first, start, height, tie_x, tie_y):
-    out = np.empty((start[-1], 2))
-    for c in range(len(level)):
-        k, h = level[c], first[c]
-        for place in range(start[c], start[c + 1]):
-            low, high = faces[h // 3, h % 3], faces[h // 3, (h % 3 + 1) % 3]
-            x, y = cross_at(points[low], points[high], height[k], tie_x[k], tie_y[k])
-            out[place, 0], out[place, 1] = x, y
-            h = _next_crossing(faces, twins, slab, h, k)
-    return out
+def _move_up(faces, twins, slab, k, n_levels, gates, active, progress):
+    """Let go of the faces that are below level k and take in those that it is the first to cross."""
+    f, kept = progress[0], 0
+    for i in range(progress[1]):
+        active[kept, 0], active[kept, 1] = active[i, 0], active[i, 1]
+        kept += active[i, 1] >= k
+    while f < faces.shape[0] and slab[faces[f, 0]] <= k:  # faces ascend by their lowest corner
+        b, c = faces[f, 1], faces[f, 2]
+        top = slab[max(b, c)]
+        if top > k:
+            gates[f, 0] = slab[b] if b < c else n_levels
+            gates[f, 1], gates[f, 2], gates[f, 3] = twins[3 * f] // 3, twins[3 * f + 1] // 3, -1
+            active[kept, 0], active[kept, 1] = f, top - 1
+            kept += 1
+        f += 1
+    progress[0], progress[1] = f, kept
 
 
 def measure_contours(contours):

@@ -1,10 +1,13 @@
 """The tables of a sliced surface: levels, contours, pieces."""
 
 import numpy as np
-import shapely
+import pyarrow as pa
 
+from .curves import close_curves, pack_curves
 from .schemas import build_table
-from .slicing import measure_contours
+from .slicing import measure_contours, share_out
+
+POINTS_AT_ONCE = 1 << 22  # of contours packed together: these take some 60 bytes each
 
 
 def levels_table(slices, refined):
@@ -30,25 +33,37 @@ def contours_table(mesh, slices, shell_of_vertex):
 
     shell_of_vertex : (n,) of the mesh's ranks.
     """
+    return pa.concat_tables(contours_blocks(mesh, slices, shell_of_vertex))
+
+
+def contours_blocks(mesh, slices, shell_of_vertex):
+    """The same, one block of rows after the other, so that the curves of one block are packed at a time."""
+    area, perimeter = measure_contours(slices.contours)
+    for first, end in share_out(slices.contours.start, POINTS_AT_ONCE):
+        measures = area[first:end], perimeter[first:end]
+        yield _contour_rows(mesh, slices, shell_of_vertex, slice(first, end), *measures)
+
+
+def _contour_rows(mesh, slices, shell_of_vertex, rows, area, perimeter):
     contours, regions = slices.contours, slices.regions
-    area, perimeter = measure_contours(contours)
-    lower, upper = mesh.vertex[contours.lower], mesh.vertex[contours.upper]
+    level, lower, start = contours.level[rows], contours.lower[rows], contours.start[rows.start : rows.stop + 1]
+    curves = close_curves(contours.points[start[0] : start[-1]], start - start[0])
     return build_table(
         "contours",
         {
-            "level": contours.level,
-            "contour": np.arange(len(area)),
-            "height": slices.levels.height[contours.level],
-            "shell": shell_of_vertex[contours.lower],
-            "region": regions.of_contour,
-            "inner": regions.inner,
-            "parent": [None if p < 0 else p for p in regions.parent.tolist()],
+            "level": level,
+            "contour": np.arange(rows.start, rows.stop),
+            "height": slices.levels.height[level],
+            "shell": shell_of_vertex[lower],
+            "region": regions.of_contour[rows],
+            "inner": regions.inner[rows],
+            "parent": [None if p < 0 else p for p in regions.parent[rows].tolist()],
             "signed_area": area,
             "perimeter": perimeter,
-            "n_points": np.diff(contours.start),
-            "lower_vertex": lower,
-            "upper_vertex": upper,
-            "geometry": shapely.to_wkb(closed_curves(contours.points, contours.start)),
+            "n_points": np.diff(start),
+            "lower_vertex": mesh.vertex[lower],
+            "upper_vertex": mesh.vertex[contours.upper[rows]],
+            "geometry": pack_curves(*curves),
         },
     )
 
@@ -81,30 +96,11 @@ def pieces_table(mesh, slices, shell_of_vertex):
     )
 
 
-def closed_curves(points, start):
-    """Closed shapely line strings (C,), coinciding neighbours dropped.
-
-    points : (X, 2); start : (C + 1,). A curve of which only one point remains
-    is closed onto itself.
-    """
-    count = len(start) - 1
-    curve = np.repeat(np.arange(count), np.diff(start))
-    before = np.arange(len(points)) - 1
-    before[start[:-1]] = start[1:] - 1
-    keep = (points != points[before]).any(axis=1)
-    keep[start[:-1]] |= ~np.logical_or.reduceat(keep, start[:-1]) if count else False
-    kept, curve = points[keep], curve[keep]
-    first = np.searchsorted(curve, np.arange(count))
-    order = np.argsort(np.concatenate([curve, np.arange(count)]), kind="stable")
-    return shapely.linestrings(
-        np.concatenate([kept, kept[first]])[order], indices=np.concatenate([curve, np.arange(count)])[order]
-    )
-
-
 def _lists(group, count):
     """The members of every group: `count` lists of the positions in `group`."""
     order = np.argsort(group, kind="stable")
-    return [part.tolist() for part in np.split(order, np.searchsorted(group[order], np.arange(1, count)))]
+    members, cuts = order.tolist(), np.cumsum(np.bincount(group, minlength=count)).tolist()
+    return [members[a:b] for a, b in zip([0, *cuts], cuts)]
 
 
 def _or_null(values):
