@@ -3,16 +3,20 @@
 import numpy as np
 import shapely
 
+from .curves import unpack_curves
+
 
 def block_regions(pieces, contours):
     """Regions below and above every block: two lists of ascending id lists."""
-    region, blocks = contours["region"].to_numpy(), pieces["block"].to_pylist()
+    region, block = contours["region"].to_numpy(), pieces["block"].to_numpy().astype(np.int64)
+    count = max(count_regions(contours), 1)
     ends = []
     for side in ("below", "above"):
-        members = [set() for _ in range(max(blocks) + 1)]
-        for block, bounding in zip(blocks, pieces[side].to_pylist()):
-            members[block].update(region[bounding].tolist())
-        ends.append([sorted(member) for member in members])
+        bounding = pieces[side].combine_chunks()
+        owner = np.repeat(block, np.diff(bounding.offsets.to_numpy()))
+        pairs = np.unique(owner * count + region[bounding.flatten().to_numpy()])
+        members, cuts = (pairs % count).tolist(), np.searchsorted(pairs, count * np.arange(block.max() + 2)).tolist()
+        ends.append([members[a:b] for a, b in zip(cuts[:-1], cuts[1:])])
     return ends
 
 
@@ -29,9 +33,9 @@ def region_levels(contours):
     return level
 
 
-def contour_curves(contours):
-    """The contours as shapely closed line strings, (C,), tilted frame."""
-    return shapely.from_wkb(contours["geometry"].to_numpy(zero_copy_only=False))
+def contour_points(contours):
+    """The contours as closed curves: points (N, 2), tilted frame, and start (C + 1,)."""
+    return unpack_curves(contours["geometry"].to_numpy(zero_copy_only=False))
 
 
 def contour_rings(contours):
@@ -39,11 +43,12 @@ def contour_rings(contours):
 
     None where one is too small to span a triangle in floating point.
     """
-    curves = contour_curves(contours)
-    usable = (shapely.get_num_points(curves) >= 4) & (contours["signed_area"].to_numpy() != 0)
-    coordinates, curve = shapely.get_coordinates(curves[usable], return_index=True)
-    rings = np.full(len(curves), None, object)
-    rings[usable] = shapely.linearrings(coordinates, indices=curve)
+    points, start = contour_points(contours)
+    length = np.diff(start)
+    usable = (length >= 4) & (contours["signed_area"].to_numpy() != 0)
+    of_ring, ring = np.repeat(usable, length), np.repeat(np.arange(usable.sum()), length[usable])
+    rings = np.full(len(length), None, object)
+    rings[usable] = shapely.linearrings(points[of_ring], indices=ring)
     return rings
 
 

@@ -4,7 +4,8 @@ import numpy as np
 from numba import njit
 
 from .exact_contours import exact_tilt, locate_corners, turns_clockwise, walk_crossings
-from .heightmesh import HeightMesh, canonical_faces, cross_at, find_twins, next_half_edge
+from .heightmesh import cross_at, next_half_edge
+from .unfolding import split_saddles
 
 
 def vertex_indices(mesh):
@@ -42,112 +43,9 @@ def unfold_saddles(mesh):
     unfolded surface is still embedded (an arbitrary wedge may not be). Euler
     characteristic and all other vertices are unchanged.
     """
-    multiple = np.flatnonzero(vertex_indices(mesh) < -1)
-    if len(multiple) == 0:
-        return mesh
-    star = _stars(mesh.faces, multiple)
-    touched = np.unique([face for faces in star.values() for face in faces])
-    faces = dict(zip(touched.tolist(), map(tuple, mesh.faces[touched].tolist())))
-    n, m = len(mesh.points), len(mesh.faces)
-    origin, turn = list(range(n)), [0] * n  # rank key of a vertex: (origin, turn)
-    for saddle in multiple.tolist():
-        while True:
-            link = _link(faces, star[saddle], saddle)
-            wedge = _embeddable_wedge(mesh.points, origin, link, saddle)
-            if wedge is None:
-                break
-            turn[saddle] += 1
-            origin.append(saddle)
-            turn.append(turn[saddle] - 1)
-            _split(faces, m, star, saddle, len(origin) - 1, wedge)
-            m += 2
-    order = np.lexsort((turn, origin))
-    rank = np.empty(len(order), np.int32)
-    rank[order] = np.arange(len(order), dtype=np.int32)
-    origin = np.asarray(origin)[order]
-    changed = np.empty((m, 3), np.int32)
-    changed[: len(mesh.faces)] = mesh.faces
-    changed[list(faces)] = list(faces.values())
-    new_faces = canonical_faces(rank[changed])
-    return HeightMesh(mesh.points[origin], new_faces, find_twins(new_faces, len(order)), mesh.vertex[origin])
-
-
-def _stars(faces, vertices):
-    wanted = np.zeros(int(faces.max()) + 1, bool)
-    wanted[vertices] = True
-    star = {int(v): set() for v in vertices}
-    for face in np.flatnonzero(wanted[faces].any(axis=1)).tolist():
-        for corner in faces[face].tolist():
-            if corner in star:
-                star[corner].add(face)
-    return star
-
-
-def _link(faces, star, vertex):
-    """The link cycle of `vertex`, counter-clockwise from outside, smallest id first."""
-    after = {}
-    for face in star:
-        a, b, c = faces[face]
-        x, y = (b, c) if a == vertex else (c, a) if b == vertex else (a, b)
-        after[x] = y
-    cycle = [min(after)]
-    while (following := after[cycle[-1]]) != cycle[0]:
-        cycle.append(following)
-    return cycle
-
-
-def _embeddable_wedge(points, origin, link, vertex):
-    """The link from the last vertex below an upper wedge to the first one behind it.
-
-    None where the saddle is simple. Among the wedges with neighbouring zero
-    directions the first in the link is taken; if rounding leaves none, the
-    one with the smallest opening.
-    """
-    upper = [origin[w] > origin[vertex] for w in link]  # a copy of `vertex` is below it
-    rises = [i for i in range(len(link)) if not upper[i] and upper[(i + 1) % len(link)]]
-    if len(rises) < 3:
-        return None
-    angles, wedges = [], []
-    for i in rises:
-        j = (i + 1) % len(link)
-        while upper[j]:
-            j = (j + 1) % len(link)
-        before = link[(j - 1) % len(link)]
-        angles.append(_zero_angle(points, origin, vertex, link[i], link[(i + 1) % len(link)]))
-        angles.append(_zero_angle(points, origin, vertex, link[j], before))
-        wedges.append((i, j))
-    place = np.argsort(np.argsort(angles, kind="stable"), kind="stable")
-    gaps = [(abs(int(place[2 * w]) - int(place[2 * w + 1]))) for w in range(len(wedges))]
-    gaps = [min(gap, len(angles) - gap) for gap in gaps]
-    i, j = wedges[int(np.argmin(gaps))]
-    span = (j - i) % len(link)
-    return [link[(i + step) % len(link)] for step in range(span + 1)]
-
-
-def _zero_angle(points, origin, vertex, low, high):
-    centre = points[origin[vertex]]
-    x, y = cross_at(points[origin[low]], points[origin[high]], centre[2], centre[0], centre[1])
-    return np.arctan2(y - centre[1], x - centre[0])
-
-
-def _split(faces, new, star, upper, lower, wedge):
-    """Give the fan of `upper` over `wedge` to the new vertex `lower`, just below it.
-
-    The two faces between them become the faces `new` and `new` + 1.
-    """
-    pairs = set(zip(wedge[:-1], wedge[1:]))
-    for face in sorted(star[upper]):
-        a, b, c = faces[face]
-        x, y = (b, c) if a == upper else (c, a) if b == upper else (a, b)
-        if (x, y) in pairs:
-            faces[face] = (lower, x, y)
-            star[upper].discard(face)
-    first, last = wedge[0], wedge[-1]
-    for number, face in enumerate(((lower, last, upper), (lower, upper, first)), new):
-        faces[number] = face
-        for corner in face:
-            if corner in star:
-                star[corner].add(number)
+    index = vertex_indices(mesh)
+    multiple = np.flatnonzero(index < -1).astype(np.int32)
+    return split_saddles(mesh, multiple, int((-1 - index[multiple]).sum())) if len(multiple) else mesh
 
 
 def link_areas(mesh, vertices):

@@ -1,15 +1,17 @@
 """Where to cut: equispaced levels, and refinement where they do not suffice."""
 
 import math
+from bisect import bisect_right
 from typing import NamedTuple
 
 import numpy as np
 
+from .graph_slices import contours_of_arcs, pieces_of_graph, trace_arcs_at_levels
 from .pairing import pair_in_slabs
 from .pieces import Pieces, find_pieces
 from .reeb import critical_persistence, surface_reeb_graph
 from .regions import Regions, find_blocks, find_regions, host_unseen_voids
-from .slicing import Contours, Levels, trace_contours
+from .slicing import Contours, Levels, trace_blocks, trace_contours, trace_crossings
 
 
 class Slices(NamedTuple):
@@ -69,7 +71,7 @@ def cut_between(mesh, low, high):
     p, q = mesh.points[low], mesh.points[high]
     if p[2] < q[2]:
         height = _halfway(p[2], q[2])
-        return height, int(np.searchsorted(mesh.points[:, 2], height, side="right")), np.nan, np.nan
+        return height, bisect_right(mesh.points[:, 2], height, low + 1, high), np.nan, np.nan
     if p[0] < q[0]:
         tie = (_halfway(p[0], q[0]), float(mesh.points[:, 1].max()))
     else:
@@ -101,13 +103,61 @@ def pierce(intervals):
     return groups
 
 
+def nested_contours(mesh, heights, body_of_vertex=None):
+    """The level sets of a surface at ascending heights, and no more: (:class:`Contours`, :class:`Regions`).
+
+    mesh : :func:`heightmesh.order_by_height` makes it of points, faces and a rotation
+    body_of_vertex : (n,) int32, where bodies may overlap; a hole belongs to a contour of its body
+    """
+    levels = make_levels(mesh, heights)
+    return _nest(mesh, levels, trace_contours(mesh, levels), body_of_vertex)
+
+
+def nested_blocks(mesh, heights, most_crossings, body_of_vertex=None):
+    """The same, of a few consecutive levels at a time, where all would not fit into memory.
+
+    An iterator of (:class:`Contours`, :class:`Regions`) whose blocks are those
+    of :func:`slicing.trace_blocks`; regions and contours are numbered in each
+    block from 0, and in the order of blocks they are those of all levels.
+    """
+    levels = make_levels(mesh, heights)
+    for contours in trace_blocks(mesh, levels, most_crossings):
+        yield _nest(mesh, levels, contours, body_of_vertex)
+
+
+def _nest(mesh, levels, contours, body_of_vertex):
+    body = np.zeros(len(contours.level), np.int32) if body_of_vertex is None else body_of_vertex[contours.lower]
+    return contours, find_regions(mesh, levels, contours, body)
+
+
 def cut_surface(mesh, levels, body_of_vertex):
     """Cut at the given levels: :class:`Slices`. body_of_vertex : (n,) int32."""
-    contours = trace_contours(mesh, levels)
-    pieces = find_pieces(mesh, levels, contours, pair_in_slabs(mesh, levels, contours))
-    regions = find_regions(mesh, levels, contours, pieces, body_of_vertex[contours.lower])
-    hosts = host_unseen_voids(mesh, levels, contours, pieces, body_of_vertex)
+    return _finish(mesh, levels, body_of_vertex, *trace_crossings(mesh, levels))
+
+
+def _finish(mesh, levels, body_of_vertex, contours, crossings, regions=None):
+    pieces = find_pieces(mesh, levels, contours, crossings, *pair_in_slabs(mesh, levels, contours, crossings))
+    if regions is None:
+        regions = find_regions(mesh, levels, contours, body_of_vertex[contours.lower], pieces)
+    hosts = host_unseen_voids(mesh, levels, crossings, pieces, body_of_vertex)
     return Slices(levels, contours, pieces, regions, *find_blocks(pieces, contours, regions, hosts))
+
+
+def cut_along_arcs(mesh, graph, levels, body_of_vertex):
+    """The :class:`Slices` by the surface's Reeb graph: fast, and without the areas and fluxes of pieces.
+
+    Pieces come in any order, and `pieces.of_vertex` knows the critical points alone.
+    """
+    contours, of_arcs = trace_arcs_at_levels(mesh, graph, levels)
+    return _block_along_arcs(mesh, graph, levels, body_of_vertex, contours, of_arcs)
+
+
+def _block_along_arcs(mesh, graph, levels, body_of_vertex, contours, of_arcs):
+    pieces = pieces_of_graph(mesh, graph, levels, contours, of_arcs)
+    if (pieces.n_below + pieces.n_above == 0).any():  # it takes faces to tell where a void inside a slab is
+        return cut_surface(mesh, levels, body_of_vertex)
+    regions = find_regions(mesh, levels, contours, body_of_vertex[contours.lower], pieces)
+    return Slices(levels, contours, pieces, regions, *find_blocks(pieces, contours, regions, {}))
 
 
 def slice_surface(mesh, body_of_vertex, distance, refine="feature", feature_size=None):
@@ -133,13 +183,28 @@ def slice_surface(mesh, body_of_vertex, distance, refine="feature", feature_size
     significant = persistence > 0 if refine == "exact" else persistence >= size
     if refine == "exact":
         levels, refined = _insert(mesh, levels, refined, unpierced_arcs(graph, levels, significant))
-    while True:
-        slices = cut_surface(mesh, levels, body_of_vertex)
-        intervals = [] if refine == "none" else crowded_intervals(slices, significant, refine == "exact")
-        more, refined = _insert(mesh, levels, refined, intervals)
+    while refine != "none":
+        contours, crossings = trace_crossings(mesh, levels)
+        of_arcs = contours_of_arcs(mesh, graph, levels, crossings)
+        slices = _block_along_arcs(mesh, graph, levels, body_of_vertex, contours, of_arcs)
+        more, refined = _insert(mesh, levels, refined, crowded_intervals(slices, significant, refine == "exact"))
         if len(more.height) == len(levels.height):
-            return slices, refined
+            return _finish(mesh, levels, body_of_vertex, contours, crossings, slices.regions), refined
         levels = more
+    return cut_surface(mesh, levels, body_of_vertex), refined
+
+
+def exact_slices(mesh, graph, body_of_vertex):
+    """The :class:`Slices`, as `cut_along_arcs` makes them, at the levels that "exact" puts between no uniform ones."""
+    significant = critical_persistence(mesh, graph) > 0
+    levels, refined = make_levels(mesh, [(mesh.points[0, 2] + mesh.points[-1, 2]) / 2]), np.zeros(1, bool)
+    more, refined = _insert(mesh, levels, refined, unpierced_arcs(graph, levels, significant))
+    slices = None
+    while slices is None or len(more.height) > len(levels.height):
+        levels = more
+        slices = cut_along_arcs(mesh, graph, levels, body_of_vertex)
+        more, refined = _insert(mesh, levels, refined, crowded_intervals(slices, significant, True))
+    return slices
 
 
 def unpierced_arcs(graph, levels, significant):
@@ -158,50 +223,56 @@ def crowded_intervals(slices, significant, elementary):
     elementary : whether all pieces are to become so, be their critical points
     significant or not.
     """
-    ranks = np.flatnonzero(significant)
-    groups = _members(slices.pieces.of_vertex[ranks], len(slices.pieces.slab), ranks)
-    blocks = crowded_blocks(slices)
-    groups += slices.pieces.critical + blocks if elementary else [block[significant[block]] for block in blocks]
-    return sorted({pair for group in groups for pair in zip(group[:-1].tolist(), group[1:].tolist())})
+    ranks, (essential, crowded) = np.flatnonzero(significant), crowded_points(slices)
+    piece = slices.pieces.of_vertex
+    groups = [(piece[ranks], ranks)]
+    if elementary:
+        groups.append((piece[essential], essential))
+    else:
+        crowded &= significant[essential]
+    groups.append((slices.block_of_piece[piece[essential[crowded]]], essential[crowded]))
+    pairs = [_consecutive(*group) for group in groups]
+    return list(map(tuple, np.unique(np.concatenate(pairs), axis=0).tolist()))
 
 
-def crowded_blocks(slices):
-    """Essential critical points, ascending, of each block whose order of events is open.
+def _consecutive(group, ranks):
+    """Pairs of neighbours (P, 2) in the order of ranks, within each group."""
+    order = np.lexsort((ranks, group))
+    group, ranks = group[order], ranks[order]
+    return np.column_stack([ranks[:-1], ranks[1:]])[group[:-1] == group[1:]]
+
+
+def crowded_points(slices):
+    """Ranks of the essential critical points (E,), and which of them are in blocks whose order of events is open.
 
     A block is resolved if it has at most one event, or one region on either
     side and only events that leave their number alone (a chain).
     """
     pieces, blocks = slices.pieces, slices.block_of_piece
-    counts = np.array([len(critical) for critical in pieces.critical])
-    events = np.bincount(blocks, weights=counts, minlength=slices.n_blocks)
-    below = np.bincount(slices.block_above, minlength=slices.n_blocks)
-    above = np.bincount(slices.block_below, minlength=slices.n_blocks)
-    changing = np.zeros(slices.n_blocks, bool)
-    changing[blocks[(counts > 0) & ~keeps_regions(slices)]] = True
-    crowded = (events > 1) & (changing | (below != 1) | (above != 1))
-    members = _members(blocks, slices.n_blocks, np.arange(len(blocks)))
-    return [np.sort(np.concatenate([pieces.critical[piece] for piece in members[b]])) for b in np.flatnonzero(crowded)]
+    essential = np.concatenate(pieces.critical)
+    block = blocks[pieces.of_vertex[essential]]
+    chain = ~(np.bincount(block, minlength=slices.n_blocks) > 1) | block_chains(slices, essential)
+    return essential, ~chain[block]
 
 
-def keeps_regions(slices):
-    """Whether each piece has one event, and as many outer contours above as below, (P,) bool."""
+def block_chains(slices, essential):
+    """Whether each block has one region on either side, and only events that leave their number alone, (B,) bool."""
     pieces, outer = slices.pieces, ~slices.regions.inner
     count = len(pieces.slab)
     below = np.bincount(pieces.above[outer], minlength=count)
     above = np.bincount(pieces.below[outer], minlength=count)
-    return (below == above) & np.array([len(critical) == 1 for critical in pieces.critical])
-
-
-def _members(group, n_groups, values):
-    """The values of each group, in their order: a list of n_groups arrays."""
-    order = np.argsort(group, kind="stable")
-    return np.split(values[order], np.searchsorted(group[order], np.arange(1, n_groups)))
+    events = np.bincount(pieces.of_vertex[essential], minlength=count)
+    changing = np.zeros(slices.n_blocks, bool)
+    changing[slices.block_of_piece[(events > 1) | ((events == 1) & (below != above))]] = True
+    ends = (np.bincount(ends, minlength=slices.n_blocks) for ends in (slices.block_above, slices.block_below))
+    return ~changing & np.logical_and(*(count == 1 for count in ends))
 
 
 def _insert(mesh, levels, refined, intervals):
     """The levels with the fewest further ones that meet all intervals of ranks, and which are refined."""
     cuts = [cut_between(mesh, *pair) for pair in pierce(intervals)]
-    cuts = [cut for cut in cuts if cut[1] not in levels.below]
+    known = set(levels.below.tolist())
+    cuts = [cut for cut in cuts if cut[1] not in known]
     if not cuts:
         return levels, refined
     height, below, tie_x, tie_y = map(np.array, zip(*cuts))

@@ -1,10 +1,9 @@
 """How densely levels must lie for a graph to be exact."""
 
 import numpy as np
-from scipy.sparse import coo_array
-from scipy.sparse.csgraph import connected_components
 
 from .levels import pierce
+from .components import connected_items
 
 # Uniform levels are tried up to this number, a bunch at a time.
 MOST_LEVELS = 1_000_000
@@ -40,15 +39,15 @@ def event_spans(source, target, lower, upper):
     arc below and one above.
     """
     flat, n = lower == upper, max(source.max(), target.max()) + 1
-    links = coo_array((np.ones(flat.sum(), np.int8), (source[flat], target[flat])), shape=(n, n))
-    n_events, event = connected_components(links, directed=False)
+    event = connected_items(source[flat], target[flat], n)
+    n_events = event.max() + 1
     below, above = event[source[~flat]], event[target[~flat]]
     passed = (np.bincount(above, minlength=n_events) == 1) & (np.bincount(below, minlength=n_events) == 1)
     # an arc goes on through events that are none
     into, out = np.full(n_events, -1), np.full(n_events, -1)
     into[above], out[below] = np.arange(len(above)), np.arange(len(below))
-    links = coo_array((np.ones(passed.sum(), np.int8), (into[passed], out[passed])), shape=(len(below),) * 2)
-    n_arcs, arc = connected_components(links, directed=False)
+    arc = connected_items(into[passed], out[passed], len(below))
+    n_arcs = arc.max() + 1
     spans = np.stack([np.full(n_arcs, np.inf), np.full(n_arcs, -np.inf)], axis=1)
     np.minimum.at(spans[:, 0], arc, lower[~flat])
     np.maximum.at(spans[:, 1], arc, upper[~flat])
