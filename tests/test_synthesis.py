@@ -7,9 +7,15 @@ import pytest
 import shapely
 from pipeline import run_stages
 
+import reference
 import solids
-from reebslice.graphs import loops, trace_arcs
+from reebslice.circles import clearances, largest_circles
+from reebslice.components import connected_items
+from reebslice.curves import close_curves, curve_centres, pack_curves, unpack_curves
+from reebslice.graphml import Graph, graphml_text
+from reebslice.graphs import trace_arcs
 from reebslice.nodes import inscribed_points, steady_points
+from reebslice.outlines import find_outlines, shared_areas
 from reebslice.parts import Parts, linked_parts
 from reebslice.schemas import GRAPHS
 from reebslice.similarity import boolean_similarity, link_by_proximity, link_by_similarity
@@ -22,28 +28,51 @@ def box(x, y, width, depth=1.0):
 
 def test_inscribed_points_of_known_shapes():
     ring = shapely.Point(0, 0).buffer(2, 64).difference(shapely.Point(0, 0).buffer(1, 64))
-    shapes = np.array([box(0, 0, 2, 2), box(0, 0, 10, 1), ring, shapely.Polygon()])
-    points = inscribed_points(shapes)
-    assert shapely.get_coordinates(points[0]).ravel() == pytest.approx([1, 1], abs=0.1)
-    assert shapely.get_y(points[1]) == pytest.approx(0.5, abs=0.05)
-    assert np.hypot(shapely.get_x(points[2]), shapely.get_y(points[2])) == pytest.approx(1.5, abs=0.05)
-    assert shapely.is_empty(points[3])
+    points, radius = inscribed_points(find_outlines([box(0, 0, 2, 2), box(0, 0, 10, 1), ring, shapely.Polygon()]))
+    assert points[0] == pytest.approx([1, 1], abs=0.1)
+    assert points[1, 1] == pytest.approx(0.5, abs=0.05)
+    assert np.hypot(*points[2]) == pytest.approx(1.5, abs=0.05)
+    assert np.isnan(points[3]).all()
+    assert radius == pytest.approx([1, 0.5, 0.5, 0], abs=0.05)
+
+
+def test_circles_are_as_large_as_those_of_a_general_search():
+    random = np.random.default_rng(7)
+    star = [shapely.LineString(random.uniform(-3, 3, (12, 2))).buffer(0.1 + random.random(), 4) for _ in range(30)]
+    comb = shapely.union_all([box(0, 0, 9, 0.5), *(box(k, 0, 0.4, 3) for k in range(9))])
+    two = shapely.MultiPolygon([box(0, 0, 1), box(3, 0, 2, 2)])
+    shapes = np.array([*star, comb, two, shapely.Polygon(), box(0, 0, 9, 1e-4)])
+    shapes = np.append(shapes, shapely.segmentize(shapes, 0.01))
+    outlines, tolerance = find_outlines(shapes), np.full(len(shapes), 0.01)
+    points, radius = largest_circles(outlines, tolerance)
+    some = ~shapely.is_empty(shapes)
+    general = np.zeros(len(shapes))
+    general[some] = shapely.length(shapely.maximum_inscribed_circle(shapes[some], tolerance[some] / 4))
+    assert (general - 1.0001 * tolerance <= radius).all() and (radius <= general + tolerance / 4).all()
+    places = shapely.points(np.nan_to_num(points))
+    assert shapely.contains(shapes[some], places[some]).all()
+    assert radius[some] == pytest.approx(shapely.distance(shapely.boundary(shapes), places)[some], abs=1e-12)
+    signed = clearances(outlines, np.tile([0.2, 0.1], (len(shapes), 1)))
+    sign = np.where(shapely.contains_xy(shapes, 0.2, 0.1), 1, -1)
+    distance = shapely.distance(shapely.boundary(shapes), shapely.Point(0.2, 0.1))
+    assert signed[some] == pytest.approx((sign * distance)[some])
 
 
 def test_steady_points_stay_where_the_circle_is_as_large():
-    shapes = np.array([box(0, 0, 10), box(0, 0, 10), box(0, 0, 3)])
-    points = shapely.points([[2.0, 0.5], [8.0, 0.5], [1.0, 0.5]])
-    moved = steady_points(shapes, points, np.array([0, 1, 2]), np.array([-1, 0, 1]))
-    assert shapely.get_x(moved).tolist() == [2.0, 2.0, 2.0]
-    wedge = np.array([box(0, 0, 10), shapely.Polygon([(0, 0), (10, 0), (10, 3)])])
-    assert shapely.get_x(steady_points(wedge, points[:2], np.array([0, 1]), np.array([-1, 0])))[1] > 6
+    shapes = find_outlines([box(0, 0, 10), box(0, 0, 10), box(0, 0, 3)])
+    points = np.array([[2.0, 0.5], [8.0, 0.5], [1.0, 0.5]])
+    moved = steady_points(shapes, points, np.full(3, 0.5), np.array([-1, 0, 1]))
+    assert moved[:, 0].tolist() == [2.0, 2.0, 2.0]
+    wedge = find_outlines([box(0, 0, 10), shapely.Polygon([(0, 0), (10, 0), (10, 3)])])
+    at = np.array([[2.0, 0.5], [8.7, 1.2]])
+    assert steady_points(wedge, at, clearances(wedge, at), np.array([-1, 0]))[1, 0] > 6
 
 
 def test_steady_points_go_across_a_ring_that_widens_and_not_around():
-    rings = np.array([shapely.Point(0, 0).buffer(r + 1, 64).difference(shapely.Point(0, 0).buffer(r, 64)) for r in (3, 5)])
-    points = shapely.points([[3.5, 0.0], [-5.5, 0.0]])
-    moved = steady_points(rings, points, np.array([0, 1]), np.array([-1, 0]))
-    assert shapely.get_coordinates(moved[1]).ravel() == pytest.approx([5.5, 0], abs=0.1)
+    rings = [shapely.Point(0, 0).buffer(r + 1, 64).difference(shapely.Point(0, 0).buffer(r, 64)) for r in (3, 5)]
+    points = np.array([[3.5, 0.0], [-5.5, 0.0]])
+    moved = steady_points(find_outlines(rings), points, np.full(2, 0.5), np.array([-1, 0]))
+    assert moved[1] == pytest.approx([5.5, 0], abs=0.1)
 
 
 def test_steady_points_start_from_a_region_without_room(tmp_path):
@@ -53,13 +82,32 @@ def test_steady_points_start_from_a_region_without_room(tmp_path):
     for tilt in ({"mode": "none"}, upside_down):
         nodes = run_stages(pit, tmp_path, tilt=tilt, levels={"distance": 0.25}, nodes={"sampler": "inscribed"}).nodes
         assert all(np.isfinite([row["x"], row["y"], row["z"]]).all() for row in nodes)
-    shapes = np.array([shapely.Polygon(), box(0, 0, 2)])
-    points = shapely.points([[0.5, 0.5], [1.5, 0.5]])
-    assert shapely.get_x(steady_points(shapes, points, np.array([0, 1]), np.array([-1, 0]))).tolist() == [0.5, 0.5]
+    shapes = find_outlines([shapely.Polygon(), box(0, 0, 2)])
+    points = np.array([[0.5, 0.5], [1.5, 0.5]])
+    assert steady_points(shapes, points, np.array([0.0, 0.5]), np.array([-1, 0]))[:, 0].tolist() == [0.5, 0.5]
+
+
+def test_shared_areas_are_those_of_overlays():
+    random = np.random.default_rng(3)
+    shapes = [shapely.LineString(random.uniform(-3, 3, (6, 2))).buffer(0.1 + random.random(), 3) for _ in range(25)]
+    # edges in common, upright edges, one inside the other, parts, nothing
+    shapes += [box(0, 0, 2), box(1, 0, 2), box(0, 0, 4, 4), box(1, 1, 1).reverse(), shapely.Polygon()]
+    shapes += [box(0, 0, 4, 4).difference(box(1, 1, 1)), shapely.MultiPolygon([box(0, 0, 1), box(3, 0, 2, 2)])]
+    shapes = np.array(shapes)
+    low, high = (places.ravel() for places in np.indices((len(shapes),) * 2))
+    expected = shapely.area(shapely.intersection(shapes[low], shapes[high]))
+    assert shared_areas(find_outlines(shapes), low, high) == pytest.approx(expected, abs=1e-12)
+    # what takes too long is left to the general overlay
+    teeth = [box(0, k, 9, 0.5) for k in range(200)]
+    combs = np.array([shapely.union_all([*teeth, box(x, 0, 0.1, 200)]) for x in (0, 1)])
+    assert np.isnan(shared_areas(find_outlines(combs), [0], [1])).all()
+    measured = boolean_similarity(combs, np.array([0]), np.array([1]))["area_intersection"]
+    assert measured == pytest.approx(shapely.area(shapely.intersection(*combs)))
 
 
 def test_boolean_similarity_of_boxes():
-    measured = boolean_similarity(np.array([box(0, 0, 2), box(0, 0, 1)]), np.array([box(1, 0, 2), box(5, 0, 1)]))
+    shapes = np.array([box(0, 0, 2), box(0, 0, 1), box(1, 0, 2), box(5, 0, 1)])
+    measured = boolean_similarity(shapes, np.array([0, 1]), np.array([2, 3]))
     assert measured["similarity"] == pytest.approx([1 / 3, 0])
     assert measured["area_union"] == pytest.approx([3, 2])
     assert (measured["area_source"] + measured["area_target"]) == pytest.approx(
@@ -191,14 +239,14 @@ def test_a_given_direction_is_taken_whatever_its_length():
     ball = solids.icosphere(1)
     record = select_tilt(ball.points, ball.faces, "direction", direction=[0, 3, 4])
     assert record["direction"] == [0, 0.6, 0.8] and record["mode"] == "direction"
-    assert height_rounding(ball.points, np.array([0.0, 0.0, -1.0])) == 0
+    assert height_rounding(ball.points, np.array([[0.0, 0.0, -1.0]])).tolist() == [0]
 
 
 @pytest.mark.parametrize("method", ["similarity", "proximity"])
 def test_methods_without_the_mesh_still_see_an_upright_torus(tmp_path, method):
     torus = solids.torus(2.0, 0.7, 32, 16, upright=True)
     result = run_stages(torus, tmp_path, levels={"distance": 0.02}, edges={"method": method})
-    assert loops(result.graphs["solid"]) == loops(result.graphs["surface"]) == 1
+    assert reference.count_loops(result.graphs["solid"]) == reference.count_loops(result.graphs["surface"]) == 1
     assert {row["method"] for row in result.edges} == {method}
     missed = [row for row in result.edges if not row["linked"]]
     assert missed == []
@@ -211,7 +259,7 @@ def test_the_augmented_graph_subdivides_the_solid_graph(tmp_path):
     assert len(points) == len(result.nodes)
     assert set(augmented) - set(points) == set(solid)
     assert all(augmented.degree(point) == 2 for point in points)
-    assert loops(augmented) == loops(solid)
+    assert reference.count_loops(augmented) == reference.count_loops(solid)
     assert nx.number_connected_components(augmented) == nx.number_connected_components(solid)
 
 
@@ -226,3 +274,34 @@ def test_igraph_reads_the_same_multigraph(tmp_path, name):
     if name != "augmented":
         assert len(set(ends)) < len(ends), "the two arcs of the loop join the same nodes"
     assert read.vs["height"] == [data["height"] for _, data in graph.nodes(data=True)]
+
+
+def test_graphml_is_what_networkx_writes(tmp_path):
+    random = np.random.default_rng(11)
+    for number in range(40):
+        names = [f"h{k}" for k in random.permutation(9)[: random.integers(1, 9)]]
+        optional = {"x": -1.5e-17, "word": "o,o->o & <é>", "index": 2, "flag": True, "none": ""}
+        pick = lambda: {k: v for k, v in optional.items() if random.random() < 0.7}  # noqa: E731
+        nodes = {name: {"height": float(random.normal())} | pick() for name in names}
+        edges = [(*random.choice(names, 2).tolist(), {"id": f"e{k}"} | pick()) for k in range(random.integers(0, 14))]
+        graph = nx.MultiGraph()
+        graph.add_nodes_from(nodes.items())
+        graph.add_edges_from((low, high, row["id"], row) for low, high, row in edges)
+        nx.write_graphml(graph, tmp_path / "graph.graphml", edge_id_from_attribute="id")
+        assert graphml_text(Graph(nodes, edges)) == (tmp_path / "graph.graphml").read_text(encoding="utf-8")
+
+
+def test_curves_are_packed_as_well_known_binary():
+    points = np.array([[0, 0], [0, 0], [1, 0], [1, 1], [0, 0], [5, 5], [5, 5]], float)
+    closed = close_curves(points, np.array([0, 5, 7]))
+    curves = shapely.from_wkb(pack_curves(*closed))
+    assert shapely.to_wkt(curves[0], rounding_precision=0) == "LINESTRING (1 0, 1 1, 0 0, 1 0)"
+    assert shapely.get_num_points(curves).tolist() == [4, 2]
+    assert shapely.is_closed(curves).all()
+    assert shapely.to_wkb(curves).tolist() == pack_curves(*closed)
+    assert all((a == b).all() for a, b in zip(unpack_curves(pack_curves(*closed)), closed))
+    assert (curve_centres(*closed) == shapely.get_coordinates(shapely.centroid(curves))).all()
+
+
+def test_connected_items_are_numbered_by_the_lowest():
+    assert connected_items(np.array([5, 1, 2]), np.array([1, 3, 2]), 7).tolist() == [0, 1, 2, 1, 3, 1, 4]

@@ -13,10 +13,11 @@ OUTPUTS = ("handles.parquet", "critical_points.parquet", "critical_arcs.parquet"
 def main(source, target, options):
     """Classify the events of the model in folder `source`, write them to folder `target`."""
     pieces = read_table(source / "pieces.parquet", "pieces")
-    contours = read_table(source / "contours.parquet", "contours")
-    mesh = read_height_mesh(source)
+    contours = read_table(source / "contours.parquet", "contours", without=("geometry",))
+    points = read_points(source)
+    mesh = read_height_mesh(source, points)
     graph = surface_reeb_graph(mesh)
-    handles = classify_handles(mesh, graph, read_points(source), pieces, contours)
+    handles = classify_handles(mesh, graph, points, pieces, contours)
     write_table(target / "handles.parquet", "handles", handles)
     critical_points, critical_arcs = critical_tables(mesh, graph, handles)
     write_table(target / "critical_points.parquet", "critical_points", critical_points)

@@ -3,8 +3,7 @@
 import numpy as np
 
 from reebslice.critical import unfold_saddles
-from reebslice.heightmesh import order_by_height, tilt_points
-from reebslice.levels import feature_scale
+from reebslice.heightmesh import order_by_height
 from storage import read_json, read_table
 
 
@@ -16,7 +15,7 @@ def read_points(folder):
 
 def read_faces(folder):
     """The faces of the model in `folder`, (m, 3) int32 vertex ids."""
-    faces = read_table(folder / "faces.parquet", "faces")
+    faces = read_table(folder / "faces.parquet", "faces", without=("shell",))
     return np.column_stack([faces[corner].to_numpy() for corner in "abc"])
 
 
@@ -25,15 +24,13 @@ def read_rotation(folder):
     return np.array(read_json(folder / "tilt.json")["rotation"])
 
 
-def read_height_mesh(folder):
-    """The surface of the model in `folder` in its tilted frame, saddles unfolded."""
-    return unfold_saddles(order_by_height(read_points(folder), read_faces(folder), read_rotation(folder)))
+def read_height_mesh(folder, points=None):
+    """The surface of the model in `folder` in its tilted frame, saddles unfolded.
 
-
-def read_feature_size(folder, options):
-    """The feature size of the model in `folder`, mesh units, by the options of `levels`."""
-    height = tilt_points(read_points(folder), read_rotation(folder))[:, 2]
-    return feature_scale(np.ptp(height), **options)[1]
+    points : its :func:`read_points`, if they are at hand.
+    """
+    points = read_points(folder) if points is None else points
+    return unfold_saddles(order_by_height(points, read_faces(folder), read_rotation(folder)))
 
 
 def vertex_bodies(folder, mesh):

@@ -1,12 +1,14 @@
 """Connect the levels: `edges`, `arcs` and the Reeb graphs as GraphML."""
 
-import networkx as nx
+import numpy as np
 
 from batches import run_batch
+from reebslice.graphml import graphml_text
+from reebslice.levels import feature_scale
 from reebslice.schemas import GRAPHS
 from reebslice.synthesis import synthesize
-from storage import read_table, write_table
-from surfaces import read_feature_size, read_rotation
+from storage import read_table, write_table, write_text
+from surfaces import read_rotation
 
 OUTPUTS = (
     "edges.parquet",
@@ -27,12 +29,13 @@ def main(source, target, options):
     contours, pieces, handles, nodes = (
         read_table(source / f"{name}.parquet", name) for name in ("contours", "pieces", "handles", "nodes")
     )
-    size = read_feature_size(source, options["levels"])
+    # the lowest and the highest vertex are handles
+    size = feature_scale(np.ptp(handles["height"].to_numpy()), **options["levels"])[1]
     result = synthesize(contours, pieces, handles, nodes, read_rotation(source), size, options["method"])
     write_table(target / "edges.parquet", "edges", result.edges)
     write_table(target / "arcs.parquet", "arcs", result.arcs)
     for name in GRAPHS:
-        nx.write_graphml(getattr(result, name), target / f"{name}.graphml", edge_id_from_attribute="id")
+        write_text(target / f"{name}.graphml", graphml_text(getattr(result, name)))
 
 
 if "snakemake" in globals():

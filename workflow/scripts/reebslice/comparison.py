@@ -4,12 +4,11 @@ import hashlib
 
 import numpy as np
 import pandas as pd
-import scipy.sparse as sparse
 import shapely
-from scipy.sparse.csgraph import connected_components
 
 from .blocks import block_regions, region_levels, region_polygons
 from .handles import name_change
+from .components import connected_items
 from .schemas import EVENTS
 from .similarity import link_by_proximity, link_by_similarity, near_pairs
 
@@ -157,10 +156,9 @@ def count_loops(level, links):
     """
     count = len(level)
     low, high = np.array(sorted(links), np.int64).reshape(-1, 2).T
-    ends = sparse.coo_array((np.ones(len(low), bool), (2 * low + 1, 2 * high)), shape=(2 * count,) * 2)
-    n_parts, part = connected_components(ends, directed=False)
-    edges = sparse.coo_array((np.ones(count, bool), (part[::2], part[1::2])), shape=(n_parts,) * 2)
-    return int(count - n_parts + connected_components(edges, directed=False)[0])
+    part = connected_items(2 * low + 1, 2 * high, 2 * count)
+    n_parts = int(part.max()) + 1
+    return count - n_parts + int(connected_items(part[::2], part[1::2], n_parts).max()) + 1
 
 
 def rates(table, by):

@@ -1,10 +1,8 @@
 """Reeb graphs of the solid and of the surface, and the augmented graph."""
 
-import itertools
-
-import networkx as nx
 import numpy as np
 
+from .graphml import Graph
 from .simplification import simplify_graph
 
 JOINT_COLUMNS = ("handle", "x", "y", "z", "height", "index", "side", "operation", "change", "branches", "n_handles")
@@ -40,9 +38,10 @@ def trace_arcs(parts):
             arcs.append({"source": inside[-1], "target": target, "nodes": nodes, "through": through, "between": between})
     for arc in arcs:
         ends[list(arc["between"])] += 1 if arc["between"][0] != arc["between"][1] else 2
+    share = (parts.measure / np.maximum(ends, 1)).tolist()
     for arc in arcs:
-        shares = sum(parts.measure[part] / ends[part] for part in arc.pop("between"))
-        arc["measure"] = float(parts.measure[arc.pop("through")].sum() + shares)
+        shares = sum(share[part] for part in arc.pop("between"))
+        arc["measure"] = float(parts.measure[arc.pop("through")].sum()) + shares
     return sorted(arcs, key=lambda arc: (arc["source"], arc["target"], arc["nodes"]))
 
 
@@ -94,7 +93,7 @@ def arc_columns(arcs, graph, joints, points, similarity, bounds):
         "target": [arc["target"] for arc in arcs],
         "lower": [joints[arc["source"]]["height"] for arc in arcs],
         "upper": [joints[arc["target"]]["height"] for arc in arcs],
-        "length": [_path_length(arc, joints, points) for arc in arcs],
+        "length": _path_lengths(arcs, joints, points),
         "volume": measure if graph == "solid" else [None] * len(arcs),
         "area": measure if graph == "surface" else [None] * len(arcs),
         "nodes": [arc["nodes"] for arc in arcs],
@@ -103,14 +102,18 @@ def arc_columns(arcs, graph, joints, points, similarity, bounds):
     }
 
 
-def _path_length(arc, joints, points):
-    ends = [[joints[arc[end]][axis] for axis in "xyz"] for end in ("source", "target")]
-    path = np.vstack([ends[0], points[arc["nodes"]].reshape(-1, 3), ends[1]])
-    return float(np.linalg.norm(np.diff(path, axis=0), axis=1).sum())
+def _path_lengths(arcs, joints, points):
+    """Of each arc the length from joint to joint along its points, a list."""
+    place = {number: len(points) + k for k, number in enumerate(joints)}
+    every = np.vstack([points, *([row[axis] for axis in "xyz"] for row in joints.values())])
+    paths = [[place[arc["source"]], *arc["nodes"], place[arc["target"]]] for arc in arcs]
+    steps = np.diff(every[[item for path in paths for item in path]], axis=0)
+    length, end = np.linalg.norm(steps, axis=1), np.cumsum([len(path) for path in paths]).tolist()
+    return [float(length[b - len(path) : b - 1].sum()) for path, b in zip(paths, end)]
 
 
 def reeb_graph(arcs, joints, attributes, prefix):
-    """A Reeb graph as a MultiGraph; several arcs may join the same two nodes.
+    """A Reeb graph as a :class:`graphml.Graph`; several arcs may join the same two nodes.
 
     arcs : rows of the table `arcs` of one graph; joints : {id: row}, those
     without arcs included; attributes : names of the arc columns to carry.
@@ -118,17 +121,20 @@ def reeb_graph(arcs, joints, attributes, prefix):
     an attribute as well, because igraph 1.0 takes the ids of nodes for those
     of edges unless an attribute `id` tells otherwise.
     """
-    graph = nx.MultiGraph()
-    for number in sorted(joints):
-        graph.add_node(joint_name(number), **_scalars(joints[number], JOINT_COLUMNS))
-    for row in arcs:
-        ends = joint_name(row["source"]), joint_name(row["target"])
-        graph.add_edge(*ends, key=f"{prefix}{row['arc']}", id=f"{prefix}{row['arc']}", **_scalars(row, attributes))
-    return graph
+    nodes = {joint_name(number): _scalars(joints[number], JOINT_COLUMNS) for number in sorted(joints)}
+    edges = [
+        (
+            joint_name(row["source"]),
+            joint_name(row["target"]),
+            {"id": f"{prefix}{row['arc']}"} | _scalars(row, attributes),
+        )
+        for row in arcs
+    ]
+    return Graph(nodes, edges)
 
 
 def simplified_graph(arcs, joints, measure, size, prefix):
-    """A Reeb graph without its features below a size, as a MultiGraph.
+    """A Reeb graph without its features below a size, as a :class:`graphml.Graph`.
 
     arcs, joints, prefix : as for :func:`reeb_graph`; measure : the column,
     "volume" or "area", whose sum over each component stays; size : mesh units,
@@ -154,35 +160,38 @@ def simplified_graph(arcs, joints, measure, size, prefix):
 
 def drop_small_components(arcs, size):
     """Of a graph's arcs, dicts with source, target, lower, upper, those of components at least `size` high."""
-    graph = nx.Graph((row["source"], row["target"]) for row in arcs)
-    part = {node: k for k, nodes in enumerate(nx.connected_components(graph)) for node in nodes}
+    root = {row[end]: row[end] for row in arcs for end in ("source", "target")}
+
+    def find(node):
+        while root[node] != node:
+            root[node] = node = root[root[node]]
+        return node
+
+    for row in arcs:
+        root[find(row["source"])] = find(row["target"])
     low, high = {}, {}
     for row in arcs:
-        k = part[row["source"]]
-        low[k], high[k] = min(low.get(k, np.inf), row["lower"]), max(high.get(k, -np.inf), row["upper"])
-    left = [row for row in arcs if high[part[row["source"]]] - low[part[row["source"]]] >= size]
+        part = find(row["source"])
+        low[part], high[part] = min(low.get(part, np.inf), row["lower"]), max(high.get(part, -np.inf), row["upper"])
+    tall = {part for part in low if high[part] - low[part] >= size}
+    left = [row for row in arcs if find(row["source"]) in tall]
     return [row | {"arc": number} for number, row in enumerate(left)]
 
 
-def augmented_graph(parts, joints, nodes, edges):
-    """The solid graph subdivided by every material point.
+def augmented_graph(parts, joints, nodes, similarity):
+    """The solid graph subdivided by every material point, a :class:`graphml.Graph`.
 
-    nodes, edges : the tables. Node n5 is the material point 5. An edge
-    between two points is a continuation; an edge at a joint carries its
-    operation.
+    nodes : the table; similarity : {(lower node, upper node): value} of the
+    edges. Node n5 is the material point 5. An edge between two points is a
+    continuation; an edge at a joint carries its operation.
     """
-    graph = nx.MultiGraph()
-    for number in sorted(joints):
-        graph.add_node(joint_name(number), kind="handle", **_scalars(joints[number], JOINT_COLUMNS))
-    for row in nodes.to_pylist():
-        graph.add_node(f"n{row['node']}", kind="point", **_scalars(row, POINT_COLUMNS))
-    similarity = dict(zip(zip(edges["source"].to_pylist(), edges["target"].to_pylist()), edges["similarity"].to_pylist()))
-
-    number = itertools.count()
+    named = {joint_name(k): {"kind": "handle"} | _scalars(joints[k], JOINT_COLUMNS) for k in sorted(joints)}
+    for row in nodes.select(POINT_COLUMNS).to_pylist():
+        named[f"n{row['node']}"] = {"kind": "point"} | row
+    edges = []
 
     def connect(low, high, **labels):
-        name = f"e{next(number)}"
-        graph.add_edge(low, high, key=name, id=name, **labels)
+        edges.append((low, high, {"id": f"e{len(edges)}"} | labels))
 
     for part, (lower, upper, inside) in enumerate(zip(parts.below, parts.above, parts.joints)):
         if not inside and len(lower) == len(upper) == 1:
@@ -197,17 +206,12 @@ def augmented_graph(parts, joints, nodes, edges):
             connect(joint_name(low), joint_name(high), operation=joints[high]["operation"], handle=high)
         for item in upper:
             connect(joint_name(chain[-1]), f"n{item}", operation=last["operation"], handle=chain[-1])
-    return graph
+    return Graph(named, edges)
 
 
 def joint_name(number):
     """Node id of a joint: h7 for the handle 7, b3 for a joint without a handle."""
     return f"h{number}" if number >= 0 else f"b{-1 - number}"
-
-
-def loops(graph):
-    """First Betti number of a graph: edges - nodes + components."""
-    return graph.number_of_edges() - graph.number_of_nodes() + nx.number_connected_components(graph)
 
 
 def _scalars(row, names):

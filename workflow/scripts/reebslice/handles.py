@@ -74,7 +74,8 @@ def _positions(ranks, wanted):
 def _handle_rows(pieces, contours):
     inner = contours["inner"].to_numpy(zero_copy_only=False)
     regions_below, regions_above = block_regions(pieces, contours)
-    eventful = [row for row in pieces.to_pylist() if row["critical_ranks"]]
+    n_events = np.diff(pieces["critical_ranks"].combine_chunks().offsets.to_numpy())
+    eventful = pieces.take(np.flatnonzero(n_events)).to_pylist()
     rows = []
     for piece in eventful:
         change = name_change(inner[piece["below"]], inner[piece["above"]])
@@ -102,7 +103,12 @@ def name_change(inner_below, inner_above):
 
     inner_below, inner_above : bool arrays, True for holes.
     """
-    ends = (["i"] * int(sum(end)) + ["o"] * int(len(end) - sum(end)) for end in (inner_below, inner_above))
+    holes = [int(np.count_nonzero(end)) for end in (inner_below, inner_above)]
+    return _name(holes[0], len(inner_below) - holes[0], holes[1], len(inner_above) - holes[1])
+
+
+def _name(holes_below, outer_below, holes_above, outer_above):
+    ends = (["i"] * holes_below + ["o"] * outer_below, ["i"] * holes_above + ["o"] * outer_above)
     return "->".join(map(",".join, ends))
 
 
@@ -118,8 +124,9 @@ def local_event(mesh, ranks, index):
     side = np.full(len(ranks), "A", object)
     side[np.flatnonzero(~saddle)[link_areas(mesh, ranks[~saddle]) > 0]] = "B"
     operation = np.where(index == 0, "creation", "annihilation").astype(object)
-    for place, below, above in zip(np.flatnonzero(saddle), *saddle_contours(mesh, ranks[saddle])):
-        change = name_change(below[~np.isnan(below)] < 0, above[~np.isnan(above)] < 0)
-        side[place] = EVENTS[change][0] if change in EVENTS else "A"
-        operation[place] = "union" if np.isnan(above[1]) else "separation"
+    below, above = saddle_contours(mesh, ranks[saddle])
+    counts = np.stack([below < 0, below >= 0, above < 0, above >= 0]).sum(axis=2).T  # NaN is neither
+    changes = [_name(*row) for row in counts.tolist()]
+    side[saddle] = [EVENTS[change][0] if change in EVENTS else "A" for change in changes]
+    operation[saddle] = np.where(np.isnan(above[:, 1]), "union", "separation")
     return side.tolist(), operation.tolist()

@@ -2,8 +2,11 @@
 
 import numpy as np
 import shapely
+from numba import njit
 
-from .blocks import block_regions, contour_curves, region_levels, region_polygons
+from .blocks import block_regions, contour_points, region_levels, region_polygons
+from .circles import clearances, largest_circles, nearest_point
+from .outlines import find_outlines, measure_outlines
 from .schemas import build_table
 
 SAMPLERS = ("inscribed", "representative", "centroid")
@@ -30,17 +33,16 @@ def sample_nodes(contours, pieces, levels, rotation, sampler="inscribed"):
     A region too thin to hold a point in floating point gets a point of its
     outer contour and the radius 0.
     """
-    regions = region_polygons(contours)
-    level = region_levels(contours)
-    points = inscribed_points(regions) if sampler == "inscribed" else shapely.point_on_surface(regions)
-    if sampler == "centroid":
-        centre = shapely.centroid(regions)
-        points = np.where(shapely.contains(regions, centre), centre, points)
-    points = np.where(shapely.is_empty(points), _first_points(contours, len(regions)), points)
+    regions, level = region_polygons(contours), region_levels(contours)
+    outlines = find_outlines(regions)
     if sampler == "inscribed":
-        points = steady_points(regions, points, level, single_predecessors(contours, pieces, len(regions)))
+        below = single_predecessors(contours, pieces, len(regions))
+        points = steady_points(outlines, *inscribed_points(outlines), below)
+    else:
+        points = points_inside(regions, sampler)
+    points = np.where(np.isnan(points), _first_points(contours, len(regions)), points)
     height = levels["height"].to_numpy()[level]
-    tilted = np.column_stack([shapely.get_coordinates(points), height])
+    tilted = np.column_stack([points, height])
     return build_table(
         "nodes",
         {
@@ -51,75 +53,77 @@ def sample_nodes(contours, pieces, levels, rotation, sampler="inscribed"):
             **dict(zip("xyz", (tilted @ np.asarray(rotation)).T)),
             "critical": critical_regions(contours, pieces, len(regions)),
             "area": np.bincount(contours["region"].to_numpy(), contours["signed_area"].to_numpy(), len(regions)),
-            "inscribed_radius": np.maximum(_clearance(regions, points), 0.0),
+            "inscribed_radius": np.maximum(clearances(outlines, points), 0.0),
             "n_holes": np.bincount(contours["region"].to_numpy(), minlength=len(regions)) - 1,
         },
     )
 
 
-def inscribed_points(regions):
-    """Centres of the largest inscribed circles, (R,) points.
+def points_inside(regions, sampler):
+    """A point inside each polygon, (R, 2): its "centroid" or, where that is outside, some point; NaN in empty ones."""
+    points = shapely.point_on_surface(regions)
+    if sampler == "centroid":
+        centre = shapely.centroid(regions)
+        points = np.where(shapely.contains(regions, centre), centre, points)
+    places, there = np.full((len(regions), 2), np.nan), ~shapely.is_empty(points)
+    places[there] = shapely.get_coordinates(points[there])
+    return places
+
+
+def inscribed_points(outlines):
+    """Centres (R, 2) and radii (R,) of the largest inscribed circles; NaN and 0 where there is no outline.
 
     Their radius is the largest up to PRECISION times twice the area over the
     perimeter, which is the radius of a disk and the width of a strip.
     """
-    box = shapely.bounds(regions)
-    with np.errstate(invalid="ignore", divide="ignore"):
-        scale = 2 * shapely.area(regions) / shapely.length(regions)
-    extent = np.nan_to_num(np.maximum(box[:, 2] - box[:, 0], box[:, 3] - box[:, 1]))
-    tolerance = np.maximum(PRECISION * np.nan_to_num(scale), 1e-6 * extent)
-    searchable = shapely.area(regions) > 0
-    points = shapely.point_on_surface(regions)
-    circles = shapely.maximum_inscribed_circle(regions[searchable], tolerance[searchable])
-    points[searchable] = shapely.get_point(circles, 0)
-    return points
+    area, length, extent = measure_outlines(outlines)
+    scale = np.divide(2 * area, length, out=np.zeros_like(area), where=length > 0)
+    return largest_circles(outlines, np.maximum(PRECISION * scale, 1e-6 * extent))
 
 
-def steady_points(regions, points, level, predecessor):
-    """Points moved to the one below, or near it, where a circle there is nearly as large.
+def steady_points(outlines, points, radius, predecessor):
+    """Points (R, 2) moved to the one below, or near it, where a circle there is nearly as large.
 
-    points : (R,) shapely points, none empty; level : (R,) ascending;
-    predecessor : (R,) the only region below in the same block, or -1.
+    outlines : :class:`outlines.Outlines` of R regions, ascending; points,
+    radius : (R, 2) and (R,) of their largest circles; predecessor : (R,) the
+    only region below in the same block, or -1.
     """
+    return _steady_points(outlines.points, outlines.ring, outlines.start, points, radius, predecessor)
+
+
+@njit(cache=True)
+def _steady_points(outline, ring, start, points, radius, predecessor):
     points = points.copy()
-    radius = _clearance(regions, points)
-    for height in np.unique(level):
-        here = np.flatnonzero((level == height) & (predecessor >= 0) & (radius > 0))
-        near = climb(regions[here], points[predecessor[here]], radius[here])
-        keep = _clearance(regions[here], near) >= STEADY * radius[here]
-        points[here[keep]] = near[keep]
+    for r in range(len(points)):
+        if predecessor[r] >= 0 and radius[r] > 0.0:
+            x, y = points[predecessor[r]]
+            x, y, gain = _climb(outline, ring, start[r], start[r + 1], x, y, radius[r])
+            if gain >= STEADY * radius[r]:
+                points[r, 0], points[r, 1] = x, y
     return points
 
 
-def climb(regions, points, radius):
-    """Walk away from the boundary until the clearance is no less than STEADY x radius, or STEPS are done.
+@njit(cache=True)
+def _climb(outline, ring, first, end, x, y, radius):
+    """Walk away from the outline until the clearance is no less than STEADY x radius, or STEPS are done.
 
-    regions, points : (k,) shapely; radius : (k,) of the largest circles. The
-    walk stays near where it starts: in a ring it goes across, not around.
+    Returns x, y and the clearance there. The walk stays near where it
+    starts: in a ring it goes across, not around.
     """
-    points, stride = points.copy(), 0.5 * radius
-    gain = _clearance(regions, points)
+    stride = 0.5 * radius
+    gain, foot_x, foot_y = nearest_point(outline, ring, first, end, x, y)
     for _ in range(STEPS):
-        active = np.flatnonzero(gain < STEADY * radius)
-        if len(active) == 0:
+        length = np.hypot(x - foot_x, y - foot_y)
+        if gain >= STEADY * radius or length == 0.0:
             break
-        lines = shapely.shortest_line(shapely.boundary(regions[active]), points[active])
-        foot, place = shapely.get_coordinates(lines).reshape(-1, 2, 2).transpose(1, 0, 2)
-        away = (place - foot) * np.where(gain[active] >= 0, 1, -1)[:, None]
-        length = np.linalg.norm(away, axis=1, keepdims=True)
-        away = np.divide(away, length, out=np.zeros_like(away), where=length > 0)
-        tried = shapely.points(place + stride[active, None] * away)
-        better = _clearance(regions[active], tried)
-        wins = better > gain[active]
-        points[active[wins]], gain[active[wins]] = tried[wins], better[wins]
-        stride[active[~wins]] /= 2
-    return points
-
-
-def _clearance(regions, points):
-    """Distance to the boundary, negative outside, 0 where there is no region."""
-    distance = np.nan_to_num(shapely.distance(shapely.boundary(regions), points))
-    return np.where(shapely.contains(regions, points), distance, -distance)
+        step = stride / length if gain >= 0.0 else -stride / length
+        tried_x, tried_y = x + step * (x - foot_x), y + step * (y - foot_y)
+        better, new_x, new_y = nearest_point(outline, ring, first, end, tried_x, tried_y)
+        if better > gain:
+            x, y, gain, foot_x, foot_y = tried_x, tried_y, better, new_x, new_y
+        else:
+            stride /= 2
+    return x, y, gain
 
 
 def single_predecessors(contours, pieces, count):
@@ -142,7 +146,8 @@ def critical_regions(contours, pieces, count):
 
 
 def _first_points(contours, count):
-    """The first point of each region's first contour, for regions without room."""
-    first = np.empty(count, object)
-    first[contours["region"].to_numpy()[::-1]] = shapely.get_point(contour_curves(contours), 0)[::-1]
+    """The first point of each region's first contour, for regions without room: (R, 2)."""
+    points, start = contour_points(contours)
+    first = np.empty((count, 2))
+    first[contours["region"].to_numpy()[::-1]] = points[start[:-1]][::-1]
     return first

@@ -8,10 +8,9 @@ a part in which something happens holds joints, the nodes of the graph.
 from typing import NamedTuple
 
 import numpy as np
-import scipy.sparse as sparse
-from scipy.sparse.csgraph import connected_components
 
 from .blocks import block_regions
+from .components import connected_items
 from .schemas import EVENTS
 
 
@@ -79,8 +78,7 @@ def linked_parts(level, links):
     level, count = np.asarray(level), len(level)
     low, high = np.array(links, np.int64).reshape(-1, 2).T
     # every item has two ends: 2 i faces the slab below it, 2 i + 1 the one above
-    graph = sparse.coo_array((np.ones(len(low), bool), (2 * low + 1, 2 * high)), shape=(2 * count,) * 2)
-    part = connected_components(graph, directed=False)[1]
+    part = connected_items(2 * low + 1, 2 * high, 2 * count)
     slab = np.repeat(level, 2) - 1 + np.arange(2 * count) % 2
     found, first, part = np.unique(part, return_index=True, return_inverse=True)
     order = np.lexsort((first, slab[first]))

@@ -315,12 +315,22 @@ def check_table(name, table):
     Types and order are compared, and a null in a column that admits none is
     an error. Metadata of the file (content key, GeoParquet) are not compared.
     """
+    check_schema(name, table.schema)
+    check_nulls(name, table)
+
+
+def check_schema(name, schema):
+    """Raise ValueError unless `schema` has exactly the columns declared for `name`, in order."""
     expected = SCHEMAS[name]
-    if not table.schema.equals(expected, check_metadata=False):
+    if not schema.equals(expected, check_metadata=False):
         raise ValueError(
-            f"table {name} does not match its schema:\nfound\n{table.schema.to_string(show_schema_metadata=False)}"
+            f"table {name} does not match its schema:\nfound\n{schema.to_string(show_schema_metadata=False)}"
             f"\nexpected\n{expected.to_string(show_schema_metadata=False)}"
         )
-    for field in expected:
-        if not field.nullable and table[field.name].null_count:
-            raise ValueError(f"table {name}, column {field.name}: holds nulls, and may not")
+
+
+def check_nulls(name, table):
+    """Raise ValueError if a column that admits no null holds one; `table` may lack columns."""
+    for column in table.column_names:
+        if not SCHEMAS[name].field(column).nullable and table[column].null_count:
+            raise ValueError(f"table {name}, column {column}: holds nulls, and may not")

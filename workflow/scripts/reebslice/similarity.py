@@ -10,10 +10,10 @@ lower first, as a sorted list.
 from typing import NamedTuple
 
 import numpy as np
-import scipy.sparse as sparse
 import shapely
-from scipy.sparse.csgraph import connected_components
-from scipy.spatial import cKDTree
+
+from .outlines import find_outlines, shared_areas
+from .components import connected_items
 
 # Tuned on half of a corpus, see docs/connectivity.md. Of the smaller of two
 # shapes this share must lie in the other.
@@ -23,19 +23,22 @@ LEAST_SHARE = 0.1
 FARTHEST = 0.7
 
 
-def boolean_similarity(lower, upper):
-    """Areas of two sequences of polygons, pair by pair: dict of (E,) float64.
+def boolean_similarity(shapes, low, high):
+    """Areas of pairs of valid polygons: dict of (E,) float64.
 
-    `similarity` is intersection over union (Ruiz and Cadavid 2001), 0 where
-    both are empty.
+    shapes : (R,); low, high : (E,) places of the pairs. `similarity` is
+    intersection over union (Ruiz and Cadavid 2001), 0 where both are empty.
     """
-    area_source, area_target = shapely.area(lower), shapely.area(upper)
-    intersection = shapely.area(shapely.intersection(lower, upper))
-    union = np.maximum(area_source + area_target - intersection, 0.0)
+    area = shapely.area(shapes)
+    shared = shared_areas(find_outlines(shapes), low, high)
+    slow = np.isnan(shared)
+    shared[slow] = shapely.area(shapely.intersection(shapes[low[slow]], shapes[high[slow]]))
+    intersection = np.clip(shared, 0.0, np.minimum(area[low], area[high]))  # rounding may lead beyond
+    union = area[low] + area[high] - intersection
     return {
         "similarity": np.divide(intersection, union, out=np.zeros_like(union), where=union > 0),
-        "area_source": area_source,
-        "area_target": area_target,
+        "area_source": area[low],
+        "area_target": area[high],
         "area_intersection": intersection,
         "area_union": union,
     }
@@ -59,7 +62,7 @@ class Pairs(NamedTuple):
 def near_pairs(level, height, shapes):
     """All :class:`Pairs` of which a rule may link some; shapes that overlap are among them."""
     low, high = neighbours(level, height, shapes, FARTHEST)
-    measured = boolean_similarity(shapes[low], shapes[high])
+    measured = boolean_similarity(shapes, low, high)
     smaller = np.minimum(measured["area_source"], measured["area_target"])
     overlap = measured["area_intersection"]
     share = np.divide(overlap, smaller, out=np.zeros_like(smaller), where=smaller > 0)
@@ -101,6 +104,8 @@ def link_by_proximity(level, height, shapes):
 
     An empty shape has no centroid and is linked to none. height is not used.
     """
+    from scipy.spatial import cKDTree  # takes long to load, and only this rule needs it
+
     present = np.flatnonzero(~shapely.is_empty(shapes))
     centroid = shapely.get_coordinates(shapely.centroid(shapes[present]))
     if len(present) == 0:
@@ -144,8 +149,7 @@ def complete_links(low, high):
     lower, i = np.unique(low, return_inverse=True)
     upper, j = np.unique(high, return_inverse=True)
     count = len(lower) + len(upper)
-    links = sparse.coo_array((np.ones(len(i), bool), (i, len(lower) + j)), shape=(count, count))
-    part = connected_components(links, directed=False)[1]
+    part = connected_items(i, len(lower) + j, count)
     below, above = part[: len(lower)], part[len(lower) :]
     order = np.argsort(above, kind="stable")
     first, last = (np.searchsorted(above[order], below, side=side) for side in ("left", "right"))

@@ -3,12 +3,13 @@
 from collections import Counter
 from typing import NamedTuple
 
-import networkx as nx
 import numpy as np
 import pyarrow as pa
 import shapely
 
-from .blocks import block_regions, contour_curves, contour_rings, mend, region_levels, region_polygons
+from .blocks import block_regions, contour_points, contour_rings, mend, region_levels, region_polygons
+from .curves import curve_centres
+from .graphml import Graph
 from .graphs import arc_columns, augmented_graph, bounding_arcs, reeb_graph, simplified_graph, trace_arcs
 from .parts import linked_parts, solid_parts, surface_parts
 from .schemas import build_table
@@ -22,15 +23,15 @@ GUESSED = {(0, 1): (0, "A", "creation"), (1, 0): (2, "B", "annihilation"), (2, 1
 
 
 class Synthesis(NamedTuple):
-    """The tables `edges` and `arcs` and the graphs, networkx MultiGraphs."""
+    """The tables `edges` and `arcs` and the graphs."""
 
     edges: pa.Table
     arcs: pa.Table
-    solid: nx.MultiGraph
-    surface: nx.MultiGraph
-    augmented: nx.MultiGraph
-    solid_simplified: nx.MultiGraph
-    surface_simplified: nx.MultiGraph
+    solid: Graph
+    surface: Graph
+    augmented: Graph
+    solid_simplified: Graph
+    surface_simplified: Graph
 
 
 def synthesize(contours, pieces, handles, nodes, rotation, feature_size, method="exact"):
@@ -75,7 +76,7 @@ def synthesize(contours, pieces, handles, nodes, rotation, feature_size, method=
         arcs,
         reeb_graph(of_solid, solid_joints, SOLID_ATTRIBUTES, "s"),
         reeb_graph(of_surface, surface_joints, SURFACE_ATTRIBUTES, "c"),
-        augmented_graph(solid, solid_joints, nodes, edges),
+        augmented_graph(solid, solid_joints, nodes, similarity),
         simplified_graph(of_solid, solid_joints, "volume", feature_size, "s"),
         simplified_graph(of_surface, surface_joints, "area", feature_size, "c"),
     )
@@ -105,7 +106,7 @@ def link_contours(contours, link):
 
 def contour_centres(contours, rotation):
     """Centroids of the contours, (C, 3), model frame."""
-    centres = shapely.get_coordinates(shapely.centroid(contour_curves(contours)))
+    centres = curve_centres(*contour_points(contours))
     return np.column_stack([centres, contours["height"].to_numpy()]) @ np.asarray(rotation)
 
 
@@ -147,7 +148,7 @@ def edges_table(pairs, truth, parts, joints, polygons, level, method):
             "slab": level[source],
             "handle": [members[0] if members else None for members in inside],
             "operation": [joints[members[0]]["operation"] if members else "continuation" for members in inside],
-            **boolean_similarity(polygons[source], polygons[target]),
+            **boolean_similarity(polygons, source, target),
             "linked": [pair in truth for pair in pairs],
             "method": [method] * len(pairs),
         },
