@@ -8,6 +8,7 @@ from pathlib import Path
 import networkx as nx
 import numpy as np
 
+from reebslice.certification.graphml import ReadGraph
 from reebslice.schemas import EVENTS, GRAPHS, MODEL_TABLES
 from storage import read_table
 
@@ -94,6 +95,14 @@ def run_stages(solid, folder, **sections):
     vertices = np.array([[row["x"], row["y"], row["z"]] for row in tables["vertices"]])
     faces = [(row["a"], row["b"], row["c"]) for row in tables["faces"]]
     return Result(tables, graphs, tilt, tilt_points(vertices, tilt["rotation"]), faces)
+
+
+def as_read(graphs):
+    """MultiGraphs by name as the certifier reads them; what is none stays as it is."""
+    return {
+        name: ReadGraph(dict(g.nodes(data=True)), list(g.edges(keys=True, data=True))) if g.is_multigraph() else g
+        for name, g in graphs.items()
+    }
 
 
 def tilt_points(points, rotation):

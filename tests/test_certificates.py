@@ -3,6 +3,7 @@
 from functools import cache
 from pathlib import Path
 from tempfile import TemporaryDirectory
+from xml.parsers.expat import ExpatError
 
 import networkx as nx
 import numpy as np
@@ -11,9 +12,10 @@ import pytest
 import shapely
 
 from certify import mesh_lengths
-from pipeline import OPTIONS, TABLES, run_stages
+from pipeline import OPTIONS, TABLES, as_read, run_stages
 from reebslice.certification import certificates
 from reebslice.certification.certificates import certify
+from reebslice.certification.graphml import parse_graph
 from reebslice.schemas import EVENTS, GRAPHS, PIECE_KINDS, SCHEMAS
 from solids import (
     bowl_shape, cube, cup, hollow_ball, icosphere, linked_rings, monkey_saddle, move, nested_shells, overhang, plate,
@@ -59,8 +61,8 @@ def run(solid, direction, levels):
         return tables, read_json(f"{folder}/tilt.json"), graphs
 
 
-def certificate(tables, tilt, graphs, feature_size=SIZE):
-    return certify(tables, tilt, graphs, feature_size)
+def certificate(tables, tilt, graphs, feature_size=SIZE, distance=None):
+    return certify(tables, tilt, as_read(graphs), feature_size, distance)
 
 
 def failures(found):
@@ -439,11 +441,41 @@ def test_a_missing_graph_or_a_simple_one_fails_a_check():
     assert caught(tables, tilt, graphs | {"surface": nx.Graph(graphs["surface"])})
 
 
+@pytest.mark.parametrize("name", GRAPHS)
+def test_graphs_are_read_as_networkx_reads_them(name, tmp_path):
+    _, _, graphs = results("mixture")
+    nx.write_graphml(graphs[name], tmp_path / "graph.graphml", edge_id_from_attribute="id")
+    found = parse_graph((tmp_path / "graph.graphml").read_bytes())
+    expected = as_read({name: nx.read_graphml(tmp_path / "graph.graphml", force_multigraph=True)})[name]
+    assert found == expected and len(found.nodes) > 3
+    types = [[type(value) for value in data.values()] for graph in (found, expected) for data in graph.nodes.values()]
+    assert types[: len(found.nodes)] == types[len(found.nodes) :]
+
+
+def test_documents_that_are_no_one_undirected_graph_are_refused(tmp_path):
+    one = nx.MultiGraph([("a", "b", {"id": "e0", "word": "x < y & z"})])
+    nx.write_graphml(one, tmp_path / "graph.graphml", edge_id_from_attribute="id")
+    text = (tmp_path / "graph.graphml").read_bytes()
+    assert parse_graph(text).edges == [("a", "b", "e0", {"id": "e0", "word": "x < y & z"})]
+    for old, new in (
+        (b'"undirected"', b'"directed"'),
+        (b'<edge source="a"', b'<edge directed="true" source="a"'),
+        (b'<node id="b"', b'<node id="a"'),
+        (b"</graph>", b'</graph><graph edgedefault="undirected"/>'),
+        (b' target="b"', b""),
+        (b'<data key="d0"', b'<data key="d7"'),
+        (b"</graph></graphml>", b""),
+    ):
+        assert old in text
+        with pytest.raises((ValueError, KeyError, ExpatError)):
+            parse_graph(text.replace(old, new))
+
+
 def test_links_of_a_heuristic_are_not_certified():
     tables, tilt, graphs = results("mixture")
     assert caught(alter(tables, "edges", lambda rows: [r.update(method="similarity") for r in rows]), tilt, graphs)
 
 
 def test_a_gap_between_levels_is_caught():
-    found = certify(*results("mixture"), feature_size=SIZE, distance=1e-3)
+    found = certificate(*results("mixture"), distance=1e-3)
     assert failures(found) == ["largest_gap_between_levels"]

@@ -51,7 +51,7 @@ def results(name):
 @pytest.mark.parametrize("name", MODELS)
 def test_every_mutation_is_caught(name):
     tables, tilt, graphs, size, distance = results(name)
-    assert certify(tables, tilt, graphs, size, distance)["verdict"] != "uncertified"
+    assert certify(tables, tilt, pipeline.as_read(graphs), size, distance)["verdict"] != "uncertified"
     choice, tried, missed = random.Random(name), 0, []
     while tried < 40:
         altered_tables, altered_graphs = tables, graphs
@@ -63,7 +63,7 @@ def test_every_mutation_is_caught(name):
         if altered_tables is None or altered_graphs is None:
             continue
         tried += 1
-        if certify(altered_tables, tilt, altered_graphs, size, distance)["verdict"] != "uncertified":
+        if certify(altered_tables, tilt, pipeline.as_read(altered_graphs), size, distance)["verdict"] != "uncertified":
             missed.append((mutate.__name__, *differences(tables, altered_tables)))
     assert missed == []
 

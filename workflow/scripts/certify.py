@@ -6,11 +6,11 @@ certified is what users get.
 
 from pathlib import Path
 
-import networkx as nx
 import numpy as np
 
 from batches import run_batch
 from reebslice.certification.certificates import certify
+from reebslice.certification.graphml import parse_graph
 from reebslice.schemas import GRAPHS, MODEL_TABLES
 from storage import read_json, read_table, write_json
 
@@ -22,7 +22,7 @@ def main(source, target, options):
     source = Path(source)
     tables = {name: read_table(source / f"{name}.parquet", name) for name in MODEL_TABLES}
     tilt = read_json(source / "tilt.json")
-    graphs = {name: nx.read_graphml(source / f"{name}.graphml", force_multigraph=True) for name in GRAPHS}
+    graphs = {name: parse_graph((source / f"{name}.graphml").read_bytes()) for name in GRAPHS}
     size, distance = mesh_lengths(tables["vertices"], tilt, options)
     write_json(Path(target) / "certificate.json", certify(tables, tilt, graphs, size, distance))
 
@@ -38,7 +38,7 @@ def mesh_lengths(vertices, tilt, options):
     size = 2 * distance if size is None else size
     scale = 1.0
     if options.get("units", "relative") == "relative":
-        points = np.stack([vertices[axis].to_numpy() for axis in "xyz"], axis=1)
+        points = np.stack([np.from_dlpack(vertices[axis].combine_chunks()) for axis in "xyz"], axis=1)
         scale = float(np.ptp(points @ np.asarray(tilt["direction"], float)))
     return size * scale, distance * scale
 

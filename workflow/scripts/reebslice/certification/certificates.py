@@ -11,7 +11,7 @@ from types import SimpleNamespace
 import numpy as np
 import shapely
 
-from . import critical, events, form, links, slices, surface
+from . import critical, events, form, links, regions, slices, surface
 from . import graphs as graph_checks
 
 # What a table that contradicts itself can make numpy, shapely or a lookup say.
@@ -27,8 +27,8 @@ STEPS = (
     slices.check_curves,
     slices.check_pieces,
     critical.check_critical,
-    events.check_holes,
-    events.check_blocks,
+    regions.check_holes,
+    regions.check_blocks,
     events.check_handles,
     events.check_sides,
     links.check_nodes,
@@ -95,7 +95,7 @@ def certify(tables, tilt, graphs, feature_size, distance=None):
         pieces, handles, critical_points, critical_arcs, nodes, edges, arcs,
         as `schemas` declares them
     tilt : dict, the content of tilt.json
-    graphs : dict of networkx MultiGraphs, by the names in `schemas.GRAPHS`
+    graphs : dict of :class:`graphml.ReadGraph`, by the names in `schemas.GRAPHS`
     feature_size : float, mesh units; what is smaller may stay unresolved in a
         model that is `exact_at_feature_size`
     distance : float or None, mesh units; the largest spacing of uniform levels

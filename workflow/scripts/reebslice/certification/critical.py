@@ -6,13 +6,12 @@ its findings in; what it recomputes it leaves in the case for later checks.
 
 from collections import Counter
 
-import networkx as nx
 import numpy as np
 
-from .recount import copies, sign_changes
 from .recount_elders import essential_points
-from .recount_graphs import count_loops
+from .recount_graphs import count_loops, find_parts, neighbours
 from .recount_pairs import graph_pairs
+from .recount_surface import copies
 
 
 def check_critical(case, ledger):
@@ -21,7 +20,7 @@ def check_critical(case, ledger):
     surface = case.surface
     repeats = copies(surface)
     point = np.repeat(np.arange(len(repeats)), repeats)  # the vertex of every rank
-    ranks = np.flatnonzero(sign_changes(surface)[point] != 2)
+    ranks = np.flatnonzero(surface.changes[point] != 2)
     point = point[ranks]
     ledger.enter("critical_points.rank", np.array_equal(t["rank"], ranks), True)
     if not np.array_equal(t["rank"], ranks):
@@ -93,18 +92,18 @@ def check_simplified(case, ledger):
     for graph, measure in (("solid", "volume"), ("surface", "area")):
         full, simple = case.graphs[graph], case.graphs[f"{graph}_simplified"]
         name = f"{graph}_simplified"
-        same = [full.nodes.get(node) == data for node, data in simple.nodes(data=True)]
+        same = [full.nodes.get(node) == data for node, data in simple.nodes.items()]
         ledger.rows(f"{name}.nodes", same, f"nodes of the graph {graph}, with their attributes")
         if not all(same):
             continue
         parts = _large_components(case, full)
-        ledger.rows(f"{name}.components", [not part.isdisjoint(simple) for part in parts], "shown if large")
+        ledger.rows(f"{name}.components", [not part.isdisjoint(simple.nodes) for part in parts], "shown if large")
         large = set().union(*parts)
-        ledger.rows(f"{name}.component", [node in large for node in simple], "in a component that is shown")
-        total = [sum(d.get(measure, 0.0) for a, _, d in g.edges(data=True) if a in large) for g in (full, simple)]
+        ledger.rows(f"{name}.component", [node in large for node in simple.nodes], "in a component that is shown")
+        total = [sum(d.get(measure, 0.0) for a, _, _, d in g.edges if a in large) for g in (full, simple)]
         ledger.close(f"{name}.{measure}", total[1], total[0], 1e-9 * sum(abs(t) for t in total))
-        height = {node: data["height"] for node, data in full.nodes(data=True)}
-        edges = [(sorted((height[a], height[b])), key, d) for a, b, key, d in simple.edges(keys=True, data=True)]
+        height = {node: data["height"] for node, data in full.nodes.items()}
+        edges = [(sorted((height[a], height[b])), key, d) for a, b, key, d in simple.edges]
         ledger.rows(
             f"{name}.edges",
             [d.get("id") == key == f"{'s' if graph == 'solid' else 'c'}{d.get('arc')}"
@@ -118,12 +117,13 @@ def check_simplified(case, ledger):
         large = [[pair for pair in kind if span(pair) >= case.size] for kind in before]
         if len(large[2]) == len(before[2]):  # gluing a loop may move other pairs
             ledger.enter(f"{name}: pairs of the feature size", after == large, True)
-        if large == before and len(parts) == nx.number_connected_components(full):  # nothing to cancel
-            ledger.enter(f"{name}: arcs", _ends(simple) == _ends(_without_passed(full, simple)), True)
+        if large == before and len(parts) == len(find_parts(full)):  # nothing to cancel
+            ledger.enter(f"{name}: arcs", _ends(neighbours(simple)) == _ends(_without_passed(full, simple)), True)
         else:
-            joined = [_joined(full, height, a, b, case.size) for a, b in simple.edges()]
+            around = neighbours(full)
+            joined = [_joined(around, height, a, b, case.size) for a, b, *_ in simple.edges]
             ledger.rows(f"{name}.ends", joined, "joined in the full graph, by a way not far beyond their heights")
-        shown[graph], left_out[graph] = len(after[2]), nx.number_connected_components(full) - len(parts)
+        shown[graph], left_out[graph] = len(after[2]), len(find_parts(full)) - len(parts)
     if len(shown) == 2:
         suppressed = case.loops_surface - shown["surface"]
         case.simplified = {
@@ -132,35 +132,37 @@ def check_simplified(case, ledger):
             "suppressed_loops": suppressed,
             "suppressed_shells": left_out["surface"],
             "suppressed_parts": left_out["solid"],
-            "nodes_surface": case.graphs["surface_simplified"].number_of_nodes(),
-            "nodes_solid": case.graphs["solid_simplified"].number_of_nodes(),
+            "nodes_surface": len(case.graphs["surface_simplified"].nodes),
+            "nodes_solid": len(case.graphs["solid_simplified"].nodes),
         }
         loops = shown["surface"] + suppressed + case.hidden
         holds = loops == case.genus and suppressed >= 0
         ledger.enter("genus = simplified loops + suppressed + hidden", loops, case.genus, holds)
 
 
-def _ends(graph):
-    return Counter(frozenset(pair) for pair in graph.edges())
+def _ends(around):
+    """How often two nodes are neighbours, counted from both: {set of them: times}."""
+    return Counter(frozenset((node, other)) for node, others in around.items() for other in others)
 
 
 def _without_passed(full, simple):
-    """The full graph without those of its nodes that the simple one does not have and that do not branch."""
-    graph = nx.MultiGraph(full.edges())
-    for node in set(full) - set(simple):
-        if graph.degree(node) == 2:
-            (_, a), (_, b) = graph.edges(node)
-            graph.remove_node(node)
-            graph.add_edge(a, b)
-    return graph
+    """Neighbours in the full graph without those of its nodes that the simple one lacks and that do not branch."""
+    around = neighbours(full)
+    for node in full.nodes.keys() - simple.nodes.keys():
+        if len(around[node]) == 2:
+            a, b = around.pop(node)
+            for end, other in ((a, b), (b, a)):
+                around[end].remove(node)
+                around[end].append(other)
+    return around
 
 
-def _joined(graph, height, a, b, slack):
+def _joined(around, height, a, b, slack):
     """Whether a way leads from a to b that stays within their heights, widened by `slack`."""
     low, high = min(height[a], height[b]) - slack, max(height[a], height[b]) + slack
     seen, stack = {a}, [a]
     while stack:
-        for node in graph[stack.pop()]:
+        for node in around[stack.pop()]:
             if node not in seen and low <= height[node] <= high:
                 seen.add(node)
                 stack.append(node)
@@ -173,10 +175,10 @@ def _large_components(case, graph):
     A node without edges stands for what lies between two levels; its height
     is its persistence.
     """
-    handles, large = case.columns.handles, []
-    for part in nx.connected_components(graph):
+    handles, large, around = case.columns.handles, [], neighbours(graph)
+    for part in find_parts(graph):
         heights = [graph.nodes[node]["height"] for node in part]
-        lone = len(part) == 1 and graph.degree(next(iter(part))) == 0
+        lone = len(part) == 1 and not around[next(iter(part))]
         height = handles["persistence"][int(next(iter(part))[1:])] if lone else max(heights) - min(heights)
         if height >= case.size:
             large.append(part)
@@ -187,6 +189,6 @@ def _graph_pairs(graph, height):
     """Extended persistence of a graph, its nodes by name: three sorted lists of (lower, upper)."""
     order = sorted(graph.nodes, key=lambda node: (height[node], int(node[1:])))
     place = {node: k for k, node in enumerate(order)}
-    ends = [sorted((place[a], place[b])) for a, b in graph.edges()]
+    ends = [sorted((place[a], place[b])) for a, b, *_ in graph.edges]
     kinds = graph_pairs(len(order), ends)
     return [sorted((order[low], order[high]) for low, high in kind) for kind in kinds]

@@ -6,10 +6,10 @@ its findings in; what it recomputes it leaves in the case for later checks.
 
 from types import SimpleNamespace
 
-import networkx as nx
 import numpy as np
 import pyarrow as pa
 
+from .graphml import ReadGraph
 from ..schemas import EVENTS, GRAPHS, MODEL_TABLES, OPERATIONS, PAIRINGS, PIECE_KINDS, check_table
 
 KEYS = {name: name[:-1] for name in ("shells", "levels", "contours", "pieces", "handles", "nodes", "edges")} | {
@@ -90,7 +90,7 @@ def _document_faults(tilt, graphs):
     return [
         f"The graph {name} is missing or no undirected multigraph."
         for name in GRAPHS
-        if not isinstance(graphs.get(name), nx.MultiGraph) or graphs[name].is_directed()
+        if not isinstance(graphs.get(name), ReadGraph)
     ]
 
 
@@ -98,9 +98,13 @@ def _columns(table):
     """Columns as arrays; those with lists or nulls as Python lists."""
     out = {}
     for field in table.schema:
-        listed = pa.types.is_list(field.type) or field.nullable
         column = table[field.name]
-        out[field.name] = column.to_pylist() if listed else column.to_numpy(zero_copy_only=False)
+        if pa.types.is_integer(field.type) or pa.types.is_floating(field.type):
+            out[field.name] = column.to_pylist() if field.nullable else np.from_dlpack(column.combine_chunks())
+        elif pa.types.is_list(field.type) or field.nullable:
+            out[field.name] = column.to_pylist()
+        else:
+            out[field.name] = np.array(column.to_pylist(), bool if pa.types.is_boolean(field.type) else object)
     return out
 
 

@@ -46,6 +46,8 @@ def check_nodes(case, ledger):
 
 def _share_material(case, level, body):
     """Whether regions of different bodies overlap at some level, by more than rounding."""
+    if len(np.unique(body)) < 2:
+        return False
     runs = np.split(np.argsort(level, kind="stable"), np.cumsum(np.bincount(level))[:-1])
     for run in (run for run in runs if len(np.unique(body[run])) > 1):
         polygons = case.polygons[run]
@@ -66,9 +68,8 @@ def _check_material(case, ledger, t, region, n):
     )
     flat = shapely.points(points[:, :2])
     inside = shapely.contains_xy(case.polygons, points[:, :2])
-    order = np.argsort(region, kind="stable")
-    runs = np.split(case.curves[order], np.searchsorted(region[order], np.arange(1, n)))
-    clearance = np.array([shapely.distance(run, point).min(initial=np.inf) for run, point in zip(runs, flat)])
+    clearance = np.full(n, np.inf)
+    np.minimum.at(clearance, region, shapely.distance(case.curves, flat[region]))
     ledger.rows("nodes.inside", inside | (clearance <= case.noise), "the point is inside its region")
     radius = t["inscribed_radius"]
     edge = shapely.distance(shapely.boundary(case.polygons), flat)  # without holes that are mere points or lines
@@ -240,7 +241,8 @@ def _walls_in_chains(case, wall, walls):
 def _node_of_handle(case):
     """The node of the solid's graph that stands for each handle: a list of handles."""
     blocks = enumerate(case.columns.handles["block"].tolist())
-    return [handle if case.chains[block] else _largest(case, case.handles_of_block[block])[0] for handle, block in blocks]
+    of_block = case.handles_of_block
+    return [handle if case.chains[block] else _largest(case, of_block[block])[0] for handle, block in blocks]
 
 
 def _largest(case, handles):
@@ -271,8 +273,7 @@ def _lone_parts(parts):
 
 def _path_points(case):
     nodes, contours = case.columns.nodes, case.columns.contours
-    centres = shapely.get_coordinates(shapely.centroid(case.curves)).reshape(-1, 2)
-    centres = np.column_stack([centres, contours["height"]]) @ case.rotation
+    centres = np.column_stack([case.centres, contours["height"]]) @ case.rotation
     return {"solid": np.stack([nodes[k] for k in "xyz"], axis=1), "surface": centres}
 
 

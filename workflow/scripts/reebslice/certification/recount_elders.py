@@ -1,15 +1,15 @@
 """Essential critical points and persistence, counted again from the mesh.
 
-The elder rule needs only the order in which components meet, and a minimum
-spanning tree of the mesh edges, each weighted by its later end, holds just
-that (Kruskal); the tables come from a vertex by vertex sweep instead.
+The elder rule needs only the order in which components meet. Mesh edges are
+taken in order of their later ends, as Kruskal takes them for a minimum
+spanning tree; the tables come from a vertex by vertex sweep instead.
 """
 
 import numpy as np
-from scipy.sparse import coo_array
-from scipy.sparse.csgraph import minimum_spanning_tree
+from numba import njit
 
-from .recount import copies, sign_changes
+from .recount_joins import find_root
+from .recount_surface import copies
 
 
 def essential_points(surface, sides, recount=None):
@@ -33,7 +33,7 @@ def essential_points(surface, sides, recount=None):
     mirrored = np.where(down[0] < n, n - 1 - down[0], down[0]), n - 1 - down[1]
     pairs = [elder_pairs(*up, n, n_contours), n - 1 - elder_pairs(*mirrored, n, n_contours)]
     pairs = np.concatenate(pairs)
-    changes = sign_changes(surface)
+    changes = surface.changes
     count = np.where(changes == 2, 0, np.where(changes == 0, 1, copies(surface)))
     count -= np.bincount(pairs.ravel(), minlength=n)
     return count, pairs
@@ -45,30 +45,37 @@ def elder_pairs(earlier, later, n, n_contours):
     earlier : vertex, or n + contour for what comes in through a level; later :
     vertex. Contours are older than every vertex and are never paired.
     """
-    total = n + n_contours
-    keys = np.sort(later * total + earlier)
-    keys = keys[np.append(True, keys[1:] != keys[:-1])[: len(keys)]]
-    earlier, later = keys % total, keys // total
-    tree = minimum_spanning_tree(coo_array((later + 1.0, (earlier, later)), shape=(total, total)).tocsr()).tocoo()
-    low, high, weight = tree.row, tree.col, tree.data
-    order = np.argsort(weight, kind="stable")
-    # of each meeting take the ends that were there before the vertex itself
-    vertex = weight[order].astype(np.int64) - 1
-    other = np.where(high[order] == vertex, low[order], high[order])
-    root, born = list(range(total)), list(range(n)) + [-1] * n_contours
-    pairs = []
-    for v, w in zip(vertex.tolist(), other.tolist()):
-        a, b = _find(root, v), _find(root, w)
+    return _elder_pairs(np.ascontiguousarray(earlier), np.ascontiguousarray(later), n, n_contours)
+
+
+@njit(cache=True)
+def _elder_pairs(earlier, later, n, n_contours):
+    parent = np.arange(n + n_contours)
+    born = np.concatenate((np.arange(n), np.full(n_contours, -1)))
+    pairs, count = np.empty((len(later), 2), np.int64), 0
+    for k in _sort_by_vertex(later, n):
+        v = later[k]
+        a, b = find_root(parent, v), find_root(parent, earlier[k])
+        if a == b:
+            continue
         if born[a] < born[b]:
             a, b = b, a
         if born[a] >= 0 and born[a] != v:
-            pairs.append((born[a], v))
-        root[a] = b
-    return np.array(pairs, np.int64).reshape(-1, 2)
+            pairs[count, 0], pairs[count, 1] = born[a], v
+            count += 1
+        parent[a] = b
+    return pairs[:count].copy()
 
 
-def _find(root, i):
-    while root[i] != i:
-        root[i] = root[root[i]]
-        i = root[i]
-    return i
+@njit(cache=True)
+def _sort_by_vertex(vertex, n):
+    """Places of `vertex` (k,), each below n, in ascending order: a counting sort."""
+    first = np.zeros(n + 1, np.int64)
+    for v in vertex:
+        first[v + 1] += 1
+    first = np.cumsum(first)
+    order = np.empty(len(vertex), np.int64)
+    for k in range(len(vertex)):
+        order[first[vertex[k]]] = k
+        first[vertex[k]] += 1
+    return order

@@ -18,11 +18,11 @@ from typing import NamedTuple
 
 import numpy as np
 import shapely
-from scipy.sparse import coo_array, csr_array
-from scipy.sparse.csgraph import connected_components, maximum_bipartite_matching
 
-from .recount import _sort_corners, copies, cross, oriented_faces
+from .recount_crossings import cross
 from .recount_exact import smallest_tilt
+from .recount_joins import find_components
+from .recount_surface import copies, oriented_faces, sort_corners
 
 TRIES = 500
 
@@ -78,7 +78,7 @@ def unfold(surface, sides, below, rings_at, noise):
     rank = np.empty(len(place), np.int64)
     rank[place] = np.arange(len(place))
     old = np.array(origin)[place]
-    split = _sort_corners(surface.points[old], surface.origin[old], rank[np.array(faces)], np.array(shell))
+    split = sort_corners(surface.points[old], surface.origin[old], rank[np.array(faces)], np.array(shell))
     return split, _below_of_split(surface, below, old, folded), odd
 
 
@@ -193,8 +193,7 @@ def _joined_as(strands, matching, rings, noise):
     """
     curves, anchors = rings
     links = np.array([strand.ends for strand in strands] + matching)
-    n = 2 * len(strands)
-    _, part = connected_components(coo_array((np.ones(len(links)), links.T), shape=(n, n)), directed=False)
+    _, part = find_components(*links.T, 2 * len(strands))
     groups = {}
     for strand in strands:
         groups.setdefault(int(part[strand.ends[0]]), []).append(strand)
@@ -208,7 +207,23 @@ def _joined_as(strands, matching, rings, noise):
             fits[row, ring] = near and anchors[ring] not in foreign
         if own & set(anchors):  # a ring that is anchored on a strand of this group is its ring
             fits[row] &= np.array([anchor in own for anchor in anchors])
-    return bool((maximum_bipartite_matching(csr_array(fits), perm_type="column") >= 0).all())
+    return _can_all_have(fits)
+
+
+def _can_all_have(fits):
+    """Whether every row of (r, c) bool can have a column of its own that it fits, by augmenting paths."""
+    owner = {}
+
+    def seat(row, tried):
+        for column in np.flatnonzero(fits[row]).tolist():
+            if column not in tried:
+                tried.add(column)
+                if column not in owner or seat(owner[column], tried):
+                    owner[column] = row
+                    return True
+        return False
+
+    return all(seat(row, set()) for row in range(len(fits)))
 
 
 class Strand(NamedTuple):
@@ -234,9 +249,7 @@ def _strands(surface, sides, vertex, link, wedges):
     number[crossed] = np.arange(len(crossed))
     long = number[sides.of_face[face, 2]]
     short = number[np.where(b[face] > vertex, sides.of_face[face, 0], sides.of_face[face, 1])]
-    _, part = connected_components(
-        coo_array((np.ones(len(face)), (long, short)), shape=(len(crossed),) * 2), directed=False
-    )
+    _, part = find_components(long, short, len(crossed))
     centre = surface.points[vertex, :2]
     spots = cross(surface, sides.lower[crossed], sides.upper[crossed], surface.points[vertex, 2], *centre)
     steps = np.hypot(*(spots[long] - spots[short]).T)

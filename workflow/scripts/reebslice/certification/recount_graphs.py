@@ -1,15 +1,15 @@
 """Blocks, arcs and the three graphs, built again from recounted facts.
 
-The chains of plain parts are found as connected components of a sparse graph
-rather than by walking upward, and each graph is compared as a multigraph:
-node by node and edge by edge, with ids and ends.
+The chains of plain parts are found as connected components rather
+than by walking upward, and each graph is compared as a multigraph, node by
+node and edge by edge, with ids and ends.
 """
 
 from typing import NamedTuple
 
 import numpy as np
-from scipy.sparse import coo_array
-from scipy.sparse.csgraph import connected_components
+
+from .recount_joins import find_components
 
 
 class Parts(NamedTuple):
@@ -36,8 +36,7 @@ def find_blocks(piece_above, piece_below, region, n_pieces, n_regions, hosts):
     ends = np.concatenate([n_pieces + region, n_pieces + n_regions + region, extra[:, 0]])
     pieces = np.concatenate([piece_above, piece_below, extra[:, 1]])
     size = n_pieces + 2 * n_regions
-    links = coo_array((np.ones(len(ends), np.int8), (ends, pieces)), shape=(size, size))
-    n, part = connected_components(links, directed=False)
+    n, part = find_components(ends, pieces, size)
     return part[:n_pieces], part[n_pieces : n_pieces + n_regions], part[n_pieces + n_regions :], n
 
 
@@ -60,8 +59,7 @@ def find_arcs(parts, level):
     items = np.arange(len(level))
     low, high = np.full(len(has), -1), np.full(len(has), -1)
     low[parts.above], high[parts.below] = items, items  # one each where plain
-    links = coo_array((np.ones(plain.sum()), (low[plain], high[plain])), shape=(len(items),) * 2)
-    n, chain = connected_components(links, directed=False)
+    n, chain = find_components(low[plain], high[plain], len(items))
     order = np.lexsort((level, chain))
     runs = np.split(order, np.searchsorted(chain[order], np.arange(1, n))) if n else []
     ends = [(int(parts.below[run[0]]), int(parts.above[run[-1]])) for run in runs]
@@ -101,7 +99,29 @@ def find_augmented_edges(parts, operations):
 
 def count_loops(n_nodes, pairs):
     """First Betti number and components of a multigraph on 0..n_nodes-1 with edges `pairs`."""
-    pairs = np.asarray(pairs, np.int64).reshape(-1, 2)
-    links = coo_array((np.ones(len(pairs)), pairs.T), shape=(n_nodes, n_nodes))
-    n, part = connected_components(links, directed=False)
+    n, part = count_components(n_nodes, pairs)
     return len(pairs) - n_nodes + n, part
+
+
+def neighbours(graph):
+    """The nodes at the other ends of each node's edges, once per edge: {name: list}."""
+    around = {node: [] for node in graph.nodes}
+    for a, b, *_ in graph.edges:
+        around[a].append(b)
+        around[b].append(a)
+    return around
+
+
+def find_parts(graph):
+    """The connected components of a :class:`graphml.ReadGraph`: sets of names."""
+    place = {node: k for k, node in enumerate(graph.nodes)}
+    n, part = count_components(len(place), [(place[a], place[b]) for a, b, *_ in graph.edges])
+    parts = [set() for _ in range(n)]
+    for node, k in zip(place, part.tolist()):
+        parts[k].add(node)
+    return parts
+
+
+def count_components(n_nodes, pairs):
+    """Components of a graph on 0..n_nodes-1 with edges `pairs`: their number and (n_nodes,) that of each node."""
+    return find_components(*np.asarray(pairs, np.int64).reshape(-1, 2).T, n_nodes)

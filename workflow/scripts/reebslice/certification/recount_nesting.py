@@ -17,6 +17,8 @@ def find_around(points, faces, shell, n_shells):
     and may be around it if they differ or start on it.
     """
     around, unsure = ([set() for _ in range(n_shells)] for _ in range(2))
+    if n_shells == 1:
+        return around, unsure
     owner = np.empty(len(points), np.int64)
     owner[faces] = shell[:, None]
     pairs = _find_boxed(points, owner, n_shells)

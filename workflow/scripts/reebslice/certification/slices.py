@@ -7,11 +7,13 @@ its findings in; what it recomputes it leaves in the case for later checks.
 import numpy as np
 import shapely
 
-from .recount import copies, count_below, cross, find_sides, recount, sign_changes
+from .recount import count_below, recount
+from .recount_crossings import cross
 from .recount_elders import essential_points
 from .recount_exact import ExactLevels
 from .recount_folds import unfold
 from .recount_shapes import measure_curves, read_curves
+from .recount_surface import copies, find_sides
 
 ELEMENTARY = {(1, 1): "cylinder", (0, 1): "birth", (1, 0): "death", (2, 1): "join", (1, 2): "split"}
 
@@ -63,7 +65,7 @@ def check_contours(case, ledger):
 
     split, below, odd = unfold(case.surface, case.sides, case.levels["below"], rings_at, case.noise)
     ledger.enter("saddles_that_no_unfolding_fits", len(odd), 0)
-    case.split, case.split_sides = split, find_sides(split)
+    case.split, case.split_sides = split, case.sides if split is case.surface else find_sides(split)
     anchors = {"level": t["level"].astype(np.int64)}
     anchors |= {end: t[f"{end}_vertex"].astype(np.int64) for end in ("lower", "upper")}
     doubled = np.empty(len(case.model), np.int64)
@@ -83,7 +85,7 @@ def check_curves(case, ledger):
     """Curves, areas and perimeters are those of the mesh at the level."""
     t, found = case.columns.contours, case.recount
     ledger.rows("contours.height", t["height"] == case.levels["height"][t["level"]], "height of the level")
-    area, perimeter = measure_curves(case.curves)
+    area, perimeter, case.centres = measure_curves(case.curves)
     slack = case.noise * (found.perimeter + case.noise)
     for name, values, mesh in (("signed_area", area, found.area), ("perimeter", perimeter, found.perimeter)):
         room = slack + 1e-9 * np.abs(mesh) if name == "signed_area" else 1e-9 * mesh + case.noise * found.n_points
@@ -209,7 +211,7 @@ def _check_essential(case, ledger, t):
         "pieces.critical", [a == b for a, b in zip(t["critical"], members)], "vertices that the elder rule leaves"
     )
     case.essential = members
-    changes = sign_changes(case.surface)
+    changes = case.surface.changes
     index = 1 - changes // 2
     ledger.enter("sum_of_vertex_indices", int(index.sum()), case.euler)
     top = np.zeros(len(changes), bool)

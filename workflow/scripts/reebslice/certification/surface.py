@@ -5,11 +5,10 @@ its findings in; what it recomputes it leaves in the case for later checks.
 """
 
 import numpy as np
-from scipy.sparse import coo_array
-from scipy.sparse.csgraph import connected_components
 
-from .recount import find_sides, rank_surface, rotate, sign_changes
+from .recount_joins import find_components
 from .recount_nesting import find_around, find_body, find_parent
+from .recount_surface import count_links, find_sides, measure_shells, rank_surface, rotate
 
 
 def check_mesh(case, ledger):
@@ -34,30 +33,24 @@ def check_mesh(case, ledger):
 
 def _check_links(case, ledger):
     """Every vertex has one link cycle: corners around it are joined across mesh edges."""
-    faces, n = case.faces, len(case.model)
-    tails, heads = faces.ravel(), np.roll(faces, -1, axis=1).ravel()
-    order = np.argsort(np.minimum(tails, heads) * n + np.maximum(tails, heads), kind="stable").reshape(-1, 2)
-    # half-edge h starts at corner h; its twin starts at the other end
-    after = np.arange(len(tails)).reshape(-1, 3)
-    after = np.roll(after, -1, axis=1).ravel()
-    one = np.concatenate([order[:, 0], after[order[:, 0]]])
-    two = np.concatenate([after[order[:, 1]], order[:, 1]])
-    links = coo_array((np.ones(len(one), np.int8), (one, two)), shape=(len(tails),) * 2)
-    ledger.enter("vertices_with_one_link", int(connected_components(links, directed=False)[0]), n)
+    n, sides = len(case.model), case.sides
+    links = count_links(case.surface.corners, sides.lower, sides.upper, sides.faces, n)
+    ledger.enter("vertices_with_one_link", int((links == 1).sum()), n)
 
 
 def _check_shells(case, ledger):
     t, faces, n = case.columns, case.faces, len(case.model)
     count = len(t.shells["shell"])
-    ends = faces[:, [0, 1, 2]].ravel(), faces[:, [1, 2, 0]].ravel()
-    links = coo_array((np.ones(len(ends[0]), np.int8), ends), shape=(n, n))
-    n_parts, part = connected_components(links, directed=False)
-    shell = t.faces["shell"]
-    same = len(np.unique(part[faces[:, 0]] * count + shell)) == n_parts == len(np.unique(shell)) == count
-    ledger.enter("shells_are_components", same, True)
+    n_parts, part = find_components(case.sides.lower, case.sides.upper, n)
+    shell = case.surface.shell
     case.n_shells = count
     case.shell_of_vertex = np.zeros(n, np.int64)
     case.shell_of_vertex[faces] = shell[:, None]
+    shell_of_part = np.zeros(n_parts, np.int64)
+    shell_of_part[part] = case.shell_of_vertex[case.surface.origin]
+    same = n_parts == count == len(np.unique(shell_of_part))
+    same = same and bool((shell_of_part[part[case.surface.corners[:, 0]]] == shell).all())
+    ledger.enter("shells_are_components", same, True)
     n_vertices = np.bincount(case.shell_of_vertex, minlength=count)
     n_faces = np.bincount(shell, minlength=count)
     euler = n_vertices - n_faces // 2  # 3 F = 2 E
@@ -80,13 +73,7 @@ def _check_shells(case, ledger):
 def _check_shell_measures(case, ledger, shell, count):
     """Areas, volumes, voids and bodies of the shells."""
     t = case.columns
-    corners = case.model[case.faces]
-    middle = np.stack([np.bincount(shell, corners[:, 0, k], count) for k in range(3)], axis=1)
-    middle /= np.bincount(shell, minlength=count)[:, None]
-    a, b, c = (corners[:, k] - middle[shell] for k in range(3))
-    normal = np.cross(b - a, c - a)
-    areas = np.bincount(shell, np.linalg.norm(normal, axis=1) / 2, count)
-    volumes = np.bincount(shell, np.einsum("ij,ij->i", a, normal) / 6, count)
+    areas, volumes = measure_shells(case.model, case.faces, shell, count)
     case.area, case.volume = float(areas.sum()), float(volumes.sum())
     extent = float(np.linalg.norm(np.ptp(case.model, axis=0)))
     case.area_noise = 1e-11 * case.area
@@ -144,7 +131,7 @@ def _check_morse(case, ledger, direction):
     ledger.enter(
         "tilt.margin", margin, case.least_rise, holds, "" if holds else "It is not the smallest rise over a mesh edge."
     )
-    changes, top = sign_changes(case.surface), np.zeros(len(case.model), bool)
+    changes, top = case.surface.changes, np.zeros(len(case.model), bool)
     top[case.surface.corners[:, 2]] = True
     counts = {
         "minima": int(((changes == 0) & ~top).sum()),

@@ -1,0 +1,73 @@
+"""Graphs read back from GraphML as their users read them."""
+
+from typing import NamedTuple
+from xml.parsers import expat
+
+TYPES = {"string": str, "int": int, "long": int, "float": float, "double": float}
+WORDS = {"true": True, "false": False, "1": True, "0": False}
+
+
+class ReadGraph(NamedTuple):
+    """An undirected multigraph: nodes {name: attributes}, edges [(name, name, id, attributes)]."""
+
+    nodes: dict
+    edges: list
+
+
+def parse_graph(document):
+    """The :class:`ReadGraph` of a GraphML document (bytes).
+
+    Attributes have their declared names and types, as `networkx.read_graphml`
+    tells them. Raises ValueError unless the document holds one undirected
+    graph and each node of it once, KeyError for an attribute that it does not
+    declare or an edge without ends or id, ExpatError if it is no XML.
+    """
+    reader = _Reader()
+    parser = expat.ParserCreate()
+    parser.buffer_text = True
+    parser.StartElementHandler, parser.EndElementHandler = reader.start, reader.end
+    parser.CharacterDataHandler = reader.read
+    parser.Parse(document, True)
+    if reader.directions != ["undirected"]:
+        raise ValueError(f"the document holds {len(reader.directions)} graphs, or one that is not undirected")
+    nodes = dict(reader.nodes)
+    if len(nodes) < len(reader.nodes):
+        raise ValueError("the document holds some node twice")
+    return ReadGraph(nodes, reader.edges)
+
+
+class _Reader:
+    """What the document says, element by element; `data` is that of the node or edge being read."""
+
+    def __init__(self):
+        self.keys, self.directions, self.nodes, self.edges = {}, [], [], []
+        self.data, self.text = {}, ""
+
+    def start(self, element, attributes):
+        self.text = ""
+        if element == "data":
+            self.name, self.cast = self.keys[attributes["key"]]
+        elif element == "node":
+            self.data = {}
+            self.nodes.append((attributes["id"], self.data))
+        elif element == "edge":
+            self.data = {}
+            self.edges.append((attributes["source"], attributes["target"], attributes["id"], self.data))
+            self.directions += ["directed"] * (attributes.get("directed") == "true")
+        elif element == "key":
+            kind = attributes["attr.type"]
+            cast = _read_word if kind == "boolean" else TYPES[kind]
+            self.keys[attributes["id"]] = attributes["attr.name"], cast
+        elif element == "graph":
+            self.directions.append(attributes["edgedefault"])
+
+    def read(self, text):
+        self.text += text
+
+    def end(self, element):
+        if element == "data":
+            self.data[self.name] = self.cast(self.text)
+
+
+def _read_word(text):
+    return WORDS[text.lower()]
