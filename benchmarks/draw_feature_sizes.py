@@ -22,8 +22,12 @@ from matplotlib.lines import Line2D  # noqa: E402
 from PIL import Image  # noqa: E402
 
 from draw import stack_columns, tilt_points, trace_solid_arcs  # noqa: E402
-from reebslice.pictures import INK, MARKS, SOFT, draw_in_body  # noqa: E402
-from reebslice.shading import fit_view, widest_azimuth  # noqa: E402
+from reebslice.canvas import new_canvas  # noqa: E402
+from reebslice.graphml import Graph  # noqa: E402
+from reebslice.marks import INK, MARKS  # noqa: E402
+from reebslice.pictures import SOFT, draw_in_body  # noqa: E402
+from reebslice.shading import widest_azimuth  # noqa: E402
+from reebslice.views import fit_view  # noqa: E402
 from storage import read_json, read_table  # noqa: E402
 
 PANEL, GAP, TITLE, FOOT = (300, 250), 50, 40, 40  # pixels
@@ -88,11 +92,11 @@ def draw_row(figure, folders, boxes):
     faces = stack_columns(read_table(folders[0] / "faces.parquet", "faces"), "abc")
     view = fit_view(points, widest_azimuth(points, faces, ELEVATION), ELEVATION, *PANEL, margin=0.03)
     for folder, box in zip([None, *folders], boxes):
-        axes = figure.add_axes(box)
-        axes.set(xlim=(0, view.width), ylim=(view.height, 0))
-        axes.axis("off")
         graph, paths = (nx.MultiGraph(), {}) if folder is None else read_simplified(folder)
-        draw_in_body(axes, view, points, faces, rotation, graph, paths, labels=False)
+        graph = Graph(dict(graph.nodes(data=True)), list(graph.edges(data=True)))
+        canvas = new_canvas(view.width, view.height, DOTS_PER_INCH / 72)
+        draw_in_body(canvas, np.zeros(2, int), view, points, faces, rotation, graph, paths)
+        figure.figimage(canvas.image, box[0] * figure.bbox.width, box[1] * figure.bbox.height)
         lines = describe(read_figures(folder or folders[0]), folders[0].parent.name if folder is None else None)
         for step, (text, weight) in enumerate(lines):
             figure.text(box[0] + box[2] / 2, box[1] - (13 + 16 * step) / figure.bbox.height, text, ha="center", va="center",

@@ -1,4 +1,6 @@
-"""The still picture: rasteriser, flat layout and figure."""
+"""The still picture: rasteriser, flat layout, strokes and the whole."""
+
+import io
 
 import networkx as nx
 import numpy as np
@@ -6,22 +8,20 @@ import pytest
 import solids
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from PIL import Image
 from pipeline import run_stages
+from scipy.ndimage import label
 
 import certify
 import draw
+from reebslice.canvas import SIDES, draw_lines, draw_marks, draw_segments, encode_png, new_canvas
+from reebslice.graphml import Graph
 from reebslice.lane_orders import count_crossings, order_lanes
 from reebslice.layouts import place_graph, trace_arc
-from reebslice.pictures import draw_model
-from reebslice.shading import (
-    fit_view,
-    project_points,
-    rasterize_mesh,
-    shade_layers,
-    shrink_image,
-    view_axes,
-    widest_azimuth,
-)
+from reebslice.marks import MARKS
+from reebslice.pictures import draw_model, list_ticks
+from reebslice.shading import rasterize_mesh, shade_layers, widest_azimuth
+from reebslice.views import fit_view, project_points, view_axes
 
 
 @pytest.mark.parametrize("azimuth, elevation", [(0, 0), (-60, 15), (123, -40), (0, 90)])
@@ -52,9 +52,10 @@ def test_a_ball_is_nearest_in_the_middle_and_covers_a_disk():
     layers = rasterize_mesh(ball.points, ball.faces, fit_view(ball.points, 30, 20, 200, 200, margin=0))
     assert layers.depth[100, 100] == pytest.approx(1, abs=0.01)
     assert (layers.depth > -np.inf).mean() == pytest.approx(np.pi / 4, abs=0.01)
-    image = shade_layers(layers, 0.1)
-    assert (image[0, 0] == 1).all() and (image[100, 100] < 1).all()
-    assert shrink_image(image, 2).shape == (100, 100, 3)
+    image = shade_layers(layers, 0.1, 2)
+    assert image.shape == (100, 100, 3) and image.dtype == np.uint8
+    assert (image[0, 0] == 255).all() and (image[50, 50] < 255).all()
+    assert (image.min(axis=2) < 255).mean() == pytest.approx(np.pi / 4, abs=0.02)
 
 
 def test_projection_puts_what_is_higher_higher():
@@ -151,43 +152,109 @@ def test_an_arc_runs_from_node_to_node_on_its_lane():
     assert (curve[(curve[:, 1] >= 1) & (curve[:, 1] <= 9), 0] == 2).all()
 
 
-def draw_graph(graph, points=np.zeros((0, 3)), faces=np.zeros((0, 3), int)):
-    return draw_model("m", ["0 faces"], "exact", points, faces, np.eye(3), graph, {}, [], {"width": 300})
+def blacken(canvas):
+    """How many pixels the black strokes on a white canvas fill, partly filled ones by their parts."""
+    return (255 - canvas.image[:, :, 0].astype(float)).sum() / 255
+
+
+@pytest.mark.parametrize("width, end", [(5.0, (80, 40)), (1.0, (15, 70)), (0.4, (80, 11)), (2.0, (80, 10))])
+def test_a_line_fills_what_it_covers(width, end):
+    canvas = new_canvas(100, 100, 2.0)
+    draw_lines(canvas, [np.array([(10, 10), end], float)], np.zeros(3), width / 2)
+    covered = width * np.hypot(end[0] - 10, end[1] - 10) + np.pi * width**2 / 4
+    assert blacken(canvas) == pytest.approx(covered, rel=0.08)
+
+
+def test_crossing_segments_of_a_group_are_drawn_once():
+    once, twice = new_canvas(40, 40, 1.0), new_canvas(40, 40, 1.0)
+    cross = np.array([[5, 5, 35, 35], [35, 5, 5, 35.0]])
+    draw_segments(once, [cross], np.zeros(3), 3.0, opacity=0.5)
+    draw_segments(twice, [cross[:1], cross[1:]], np.zeros(3), 3.0, opacity=0.5)
+    assert once.image[20, 20, 0] == 128 and twice.image[20, 20, 0] == 64
+    assert not once.cover.any()
+
+
+def test_a_line_may_run_out_of_the_picture():
+    canvas = new_canvas(20, 10, 1.0)
+    draw_lines(canvas, [np.array([[-30, 5], [50, 5.0]]), np.array([[5, -40], [5, -30.0]])], np.zeros(3), 1.0)
+    assert blacken(canvas) == pytest.approx(20, abs=0.2)
+
+
+@pytest.mark.parametrize("shape, area", {"o": np.pi / 4, "^": 0.5, "v": 0.5, "D": 1, "s": 1}.items())
+def test_a_mark_fills_its_shape(shape, area):
+    canvas = new_canvas(60, 60, 2.0)
+    draw_marks(canvas, [(30.2, 29.7)], shape, 15, np.zeros(3), 0.0, np.zeros(3))
+    assert blacken(canvas) == pytest.approx(30**2 * area, rel=0.02)
+    tips = np.argwhere(canvas.image[:, :, 0] < 128)[[0, -1], 0]
+    upward = np.ptp(np.argwhere(canvas.image[tips[0], :, 0] < 128)) < np.ptp(np.argwhere(canvas.image[tips[1], :, 0] < 128))
+    assert shape not in "^v" or upward == (shape == "^")
+    assert set(SIDES) == {"o", "^", "v", "D", "s"}
+
+
+def test_png_holds_the_pixels():
+    image = np.random.default_rng(0).integers(0, 256, (7, 11, 3), np.uint8)
+    assert (np.asarray(Image.open(io.BytesIO(encode_png(image)))) == image).all()
+
+
+@given(st.floats(-1e7, 1e7), st.floats(-9, 9))
+@settings(max_examples=200, deadline=None, derandomize=True)
+def test_ticks_are_round_and_their_texts_tell_them(low, power):
+    extent = max(10.0**power, 1e-6 * abs(low))
+    values, texts = list_ticks(low, low + extent)
+    assert 2 <= len(values) <= 10
+    assert low - 1e-6 * extent <= values[0] and values[-1] <= low + 1.000001 * extent
+    told = np.array([float(text.replace("\u2212", "-")) for text in texts])
+    assert told == pytest.approx(values, abs=1e-6 * extent) and len(set(texts)) == len(texts)
+
+
+def draw_graph(graph, points=np.zeros((0, 3)), faces=np.zeros((0, 3), int), width=300):
+    graph = Graph(dict(graph.nodes(data=True)), list(graph.edges(data=True)))
+    return draw_model("m", ["0 faces"], "exact", points, faces, np.eye(3), graph, {}, [], {"width": width})
 
 
 def handle(number, height, operation="creation", side="A"):
     return {"handle": number, "x": 0.0, "y": 0.0, "z": height, "height": height, "operation": operation, "side": side}
 
 
-def test_the_figure_shows_every_node_and_arc_twice():
+def count_spots(mask):
+    """Connected parts of a mask in the left and the right half of a picture, above its legend."""
+    height, width = mask.shape
+    above = mask[: int(0.9 * height)]
+    return [label(half, np.ones((3, 3)))[1] for half in (above[:, : width // 2], above[:, width // 2 :])]
+
+
+def test_the_picture_shows_every_node_and_arc_twice():
     graph = nx.MultiGraph()
-    for number, (height, operation) in enumerate([(0.0, "creation"), (1.0, "separation"), (2.0, "union")]):
+    for number, (height, operation) in enumerate([(-0.8, "creation"), (0.0, "separation"), (0.8, "union")]):
         graph.add_node(f"h{number}", **handle(number, height, operation))
     for arc, ends in enumerate([("h0", "h1"), ("h1", "h2"), ("h1", "h2")]):
         graph.add_edge(*ends, arc=arc)
     ball = solids.icosphere(1)
-    figure = draw_graph(graph, ball.points, ball.faces)
-    body, flat = figure.axes
-    marks = [line for line in flat.lines if line.get_gid()]
-    assert sorted(y for line in marks for y in line.get_ydata()) == [0, 1, 2]
-    assert len([line for line in body.lines if line.get_gid() == "arc"]) == 3
-    assert len(flat.collections[0].get_segments()) == 3
+    image = draw_graph(graph, ball.points, ball.faces, width=800)
+    for operation in ("creation", "separation", "union"):
+        colour = [int(MARKS[operation][1][i : i + 2], 16) for i in (1, 3, 5)]
+        assert count_spots((image == colour).all(axis=2)) == [1, 1]
+    flat = image[:, 460:].max(axis=2) < 128
+    rows = [int((0.13 + 0.765 * (1.04 - part) / 1.08) * 480) for part in (0.25, 0.75)]
+    assert [label(flat[row])[1] for row in rows] == [1, 2]
 
 
 def test_a_node_of_several_handles_is_ringed():
-    graph = nx.MultiGraph([("h0", "h1")])
-    graph.add_node("h0", **handle(0, 0.0), n_handles=3)
-    graph.add_node("h1", **handle(1, 1.0, "annihilation", "B"))
-    for axes in draw_graph(graph).axes:
-        rings = [line for line in axes.lines if line.get_gid() == "several"]
-        assert [len(ring.get_xdata()) for ring in rings] == [1]
+    pictures = []
+    for count in (1, 3):
+        graph = nx.MultiGraph([("h0", "h1")])
+        graph.add_node("h0", **handle(0, 0.0), n_handles=count)
+        graph.add_node("h1", **handle(1, 1.0, "annihilation", "B"))
+        pictures.append(draw_graph(graph, width=800))
+    assert count_spots((pictures[0] != pictures[1]).any(axis=2)) == [1, 1]
 
 
 @pytest.mark.parametrize("count", [0, 1])
 def test_an_empty_or_lonely_graph_is_drawn(count):
     graph = nx.MultiGraph()
     graph.add_nodes_from((f"h{i}", handle(i, float(i))) for i in range(count))
-    assert len(draw_graph(graph).axes) == 2
+    image = draw_graph(graph)
+    assert image.shape == (180, 300, 3) and image.min() < 255
 
 
 def test_the_stage_writes_the_same_picture_twice(tmp_path):
@@ -198,3 +265,12 @@ def test_the_stage_writes_the_same_picture_twice(tmp_path):
         draw.main(tmp_path, tmp_path, {"width": 400, "azimuth": -60, "elevation": 15})
         pictures.append((tmp_path / "picture.png").read_bytes())
     assert pictures[0] == pictures[1] and pictures[0][:4] == b"\x89PNG"
+    graph = nx.read_graphml(tmp_path / "solid.graphml", force_multigraph=True)
+    nodes, edges = draw.read_graph(tmp_path / "solid.graphml")
+    wanted = ("handle", "x", "y", "z", "height", "side", "operation", "n_handles")
+    assert {node: [data[name] for name in wanted] for node, data in nodes.items()} == {
+        node: [data[name] for name in wanted] for node, data in graph.nodes(data=True)
+    }
+    assert sorted((*sorted(ends), data["arc"]) for *ends, data in edges) == sorted(
+        (*sorted(ends), data["arc"]) for *ends, data in graph.edges(data=True)
+    )

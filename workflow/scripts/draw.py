@@ -4,40 +4,43 @@ After figure 6 of Pareja-Corcho et al. (see reebslice.pictures). The bytes of
 the picture depend on the results alone: no dates, no program versions.
 """
 
-import networkx as nx
+from xml.etree import ElementTree
+
 import numpy as np
 import shapely
 
 from batches import run_batch
+from reebslice.canvas import encode_png
+from reebslice.graphml import Graph
 from reebslice.pictures import draw_model
 from storage import read_json, read_table
 
 OUTPUTS = ("picture.png",)
 CURVES = 14  # levels whose contours are drawn faintly
+GRAPHML = "{http://graphml.graphdrawing.org/xmlns}"
 
 
 def main(source, target, options):
     """Write `picture.png` of the model in the folder `source` into `target`."""
     rotation = np.array(read_json(source / "tilt.json")["rotation"], float)
     certificate = read_json(source / "certificate.json")
-    vertices, faces = read_table(source / "vertices.parquet", "vertices"), read_table(source / "faces.parquet", "faces")
-    levels = read_table(source / "levels.parquet", "levels")
-    graph = nx.MultiGraph(nx.read_graphml(source / "solid.graphml", force_multigraph=True))
-    figure = draw_model(
+    vertices, faces, levels, contours, arcs, material = (
+        read_table(source / f"{name}.parquet", name)
+        for name in ("vertices", "faces", "levels", "contours", "arcs", "nodes")
+    )
+    image = draw_model(
         name=source.name,
         facts=list_facts(certificate, faces.num_rows, levels.num_rows),
         verdict=certificate["verdict"],
         points=tilt_points(stack_columns(vertices, "xyz"), rotation),
         faces=stack_columns(faces, "abc"),
         rotation=rotation,
-        graph=graph,
-        paths=trace_solid_arcs(
-            read_table(source / "arcs.parquet", "arcs"), read_table(source / "nodes.parquet", "nodes")
-        ),
-        curves=pick_curves(levels, read_table(source / "contours.parquet", "contours")),
+        graph=read_graph(source / "solid.graphml"),
+        paths=trace_solid_arcs(arcs, material),
+        curves=pick_curves(levels, contours),
         options=options,
     )
-    figure.savefig(target / "picture.png", format="png", metadata={"Software": None})
+    (target / "picture.png").write_bytes(encode_png(image))
 
 
 def list_facts(certificate, n_faces, n_levels):
@@ -55,35 +58,60 @@ def list_facts(certificate, n_faces, n_levels):
     return facts[:1] + ([f"genus {genus}"] if genus is not None else []) + facts[1:]
 
 
+def read_graph(path):
+    """The Graph in a GraphML file; importing networkx for that takes longer than drawing a model."""
+    root = ElementTree.parse(path).getroot()
+    kinds = {"int": int, "long": int, "float": float, "double": float}
+    declared = root.iter(GRAPHML + "key")
+    keys = {key.get("id"): (key.get("attr.name"), kinds.get(key.get("attr.type"), str)) for key in declared}
+
+    def facts(element):
+        data = ((keys[item.get("key")], item.text or "") for item in element.iter(GRAPHML + "data"))
+        return {name: kind(text) for (name, kind), text in data}
+
+    nodes = {node.get("id"): facts(node) for node in root.iter(GRAPHML + "node")}
+    edges = [(edge.get("source"), edge.get("target"), facts(edge)) for edge in root.iter(GRAPHML + "edge")]
+    return Graph(nodes, edges)
+
+
 def tilt_points(points, rotation):
     """Points (n, 3) in the tilted frame."""
     return points @ rotation.T
 
 
 def stack_columns(table, names):
-    """The columns `names` of a table as one array (rows, columns)."""
-    return np.column_stack([table[name].to_numpy() for name in names])
+    """The columns `names`, numbers without nulls, of a table as one array (rows, columns)."""
+    return np.column_stack([read_column(table, name) for name in names])
+
+
+def read_column(table, name):
+    """A column of numbers without nulls as an array; pyarrow's own to_numpy would import pandas."""
+    return np.from_dlpack(table[name].combine_chunks())
 
 
 def trace_solid_arcs(arcs, nodes):
     """For every arc of the solid graph its material points (k, 3), upward, in the model frame."""
-    place = dict(zip(nodes["node"].to_pylist(), stack_columns(nodes, "xyz"), strict=True))
+    points, numbers = stack_columns(nodes, "xyz"), read_column(nodes, "node")
+    order = np.argsort(numbers)
     rows = zip(arcs["graph"].to_pylist(), arcs["arc"].to_pylist(), arcs["nodes"].to_pylist(), strict=True)
-    return {arc: np.array([place[node] for node in chain]) for graph, arc, chain in rows if graph == "solid"}
+    return {
+        arc: points[order[np.searchsorted(numbers, np.array(chain, int), sorter=order)]]
+        for graph, arc, chain in rows
+        if graph == "solid"
+    }
 
 
 def pick_curves(levels, contours):
     """The contours (k, 3), tilted frame, of some levels spread evenly over the heights."""
-    heights = levels["height"].to_numpy()
+    heights = read_column(levels, "height")
     if len(heights) == 0:
         return []
     wanted = np.linspace(heights.min(), heights.max(), CURVES + 2)[1:-1]
-    chosen = levels["level"].to_numpy()[np.unique(np.abs(heights[:, None] - wanted).argmin(axis=0))]
-    rows = np.isin(contours["level"].to_numpy(), chosen)
-    lines = shapely.from_wkb(np.array(contours["geometry"].filter(rows).to_pylist(), dtype=object))
-    tops = contours["height"].to_numpy()[rows]
-    flat = [shapely.get_coordinates(line) for line in lines]
-    return [np.column_stack([line, np.full(len(line), top)]) for line, top in zip(flat, tops, strict=True)]
+    chosen = read_column(levels, "level")[np.unique(np.abs(heights[:, None] - wanted).argmin(axis=0))]
+    rows = np.flatnonzero(np.isin(read_column(contours, "level"), chosen))
+    lines = [shapely.get_coordinates(shapely.from_wkb(contours["geometry"][int(row)].as_py())) for row in rows]
+    tops = read_column(contours, "height")[rows]
+    return [np.column_stack([line, np.full(len(line), top)]) for line, top in zip(lines, tops, strict=True)]
 
 
 if "snakemake" in globals():

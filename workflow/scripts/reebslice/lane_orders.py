@@ -43,13 +43,13 @@ def order_lanes(ends, rank, hints, short):
     """
     if len(ends) == 0:
         return np.empty(0, np.int64)
-    start, incident = list_incidence(ends, len(rank))
-    by_hint = np.lexsort((np.arange(len(ends)), hints[ends].mean(axis=1)))
-    rounds, found = int(np.clip(2e6 / len(ends) ** 2, 1, 12)), []
-    for order in (by_hint, _walk_order(ends, hints, start, incident)):
-        order = order.astype(np.int64)
-        _sift(order, ends, rank, short, start, incident, rounds)
-        found.append((_count(order, ends, rank, short, start, incident), order))
+    by_hint = np.lexsort((np.arange(len(ends)), hints[ends].mean(axis=1))).astype(np.int64)
+    starts = by_hint, _walk_order(ends, hints, *list_incidence(ends, len(rank)))
+    ranks = rank[ends].astype(np.int64)
+    reach = 2 * ranks + np.where(short[:, None], [-1, 1], 0)
+    start, incident = list_incidence(ranks, len(rank))
+    rounds = int(np.clip(2e6 / len(ends) ** 2, 1, 12))
+    found = [(_sift(order, ranks, reach, start, incident, rounds), order) for order in starts]
     return min(found, key=lambda pair: pair[0])[1]
 
 
@@ -79,82 +79,57 @@ def _walk_order(ends, hints, start, incident):
 
 
 @numba.njit(cache=True)
-def _between(node, lane, moved, to, ends, rank, short, start, incident, place, at):
-    """1 if `lane`, standing at `at`, is crossed by a bend of `node`; `moved` counts as standing at `to`."""
-    if ends[lane, 0] == node or ends[lane, 1] == node:
-        if not short[lane]:
-            return 0
-    elif not rank[ends[lane, 0]] < rank[node] < rank[ends[lane, 1]]:
-        return 0
-    least, most = len(place), -1
-    for k in range(start[node], start[node + 1]):
-        p = to if incident[k] == moved else place[incident[k]]
-        least, most = min(least, p), max(most, p)
-    return 1 if least < at < most else 0
+def _find_outermost(place, start, incident, without):
+    """Places (n,) of the first and of the last lane of every node, the lane `without` left out."""
+    first, last = np.full(len(start) - 1, len(place)), np.full(len(start) - 1, -1)
+    for node in range(len(first)):
+        for k in range(start[node], start[node + 1]):
+            if incident[k] != without:
+                p = place[incident[k]]
+                first[node], last[node] = min(first[node], p), max(last[node], p)
+    return first, last
 
 
 @numba.njit(cache=True)
-def _swap_gain(left, right, ends, rank, short, start, incident, place):
-    """Crossings added when the neighbours `left`, `right` change places."""
-    p = place[left]
-    gain = 0
-    for i in range(2):
-        if i == 0 or ends[left, 0] != ends[left, 1]:
-            node = ends[left, i]
-            gain += _between(node, right, left, p + 1, ends, rank, short, start, incident, place, p)
-            gain -= _between(node, right, left, p, ends, rank, short, start, incident, place, p + 1)
-        if i == 0 or ends[right, 0] != ends[right, 1]:
-            node = ends[right, i]
-            gain += _between(node, left, right, p, ends, rank, short, start, incident, place, p + 1)
-            gain -= _between(node, left, right, p + 1, ends, rank, short, start, incident, place, p)
-    return gain
+def _sift(order, ends, reach, start, incident, rounds):
+    """Put every lane in turn where it crosses least, until nothing improves, in place; the crossings that remain.
 
-
-@numba.njit(cache=True)
-def _move(lane, to, order, place):
-    step = 1 if to > place[lane] else -1
-    while place[lane] != to:
-        p = place[lane]
-        order[p], order[p + step] = order[p + step], lane
-        place[order[p]], place[lane] = p, p + step
-
-
-@numba.njit(cache=True)
-def _sift(order, ends, rank, short, start, incident, rounds):
-    """Put every lane in turn where it crosses least, until nothing improves; in place."""
+    Nodes go by their rank; a lane passes a node if twice the rank lies within `reach` (k, 2).
+    """
     place = np.empty(len(order), np.int64)
     for p in range(len(order)):
         place[order[p]] = p
     for _ in range(rounds):
         improved = False
         for lane in range(len(order)):
+            first, last = _find_outermost(place, start, incident, lane)
+            a, b, low, high = ends[lane, 0], ends[lane, 1], reach[lane, 0], reach[lane, 1]
             home = place[lane]
             best, best_cost = home, 0
             for step in (-1, 1):
-                cost = 0
-                while 0 <= place[lane] + step < len(order):
-                    p = place[lane]
-                    other = order[p + step]
-                    left, right = (lane, other) if step > 0 else (other, lane)
-                    cost += _swap_gain(left, right, ends, rank, short, start, incident, place)
-                    _move(lane, p + step, order, place)
-                    if cost < best_cost or (cost == best_cost and abs(p + step - home) < abs(best - home)):
-                        best, best_cost = p + step, cost
-                _move(lane, home, order, place)
-            _move(lane, best, order, place)
+                cost, p = 0, home + step
+                while 0 <= p < len(order):
+                    # crossings added when the lane moves from the left of the other one to its right
+                    other = order[p]
+                    c, d = ends[other, 0], ends[other, 1]
+                    gain = (reach[other, 0] < 2 * a < reach[other, 1]) * (int(first[a] < p) - int(last[a] > p))
+                    gain += (reach[other, 0] < 2 * b < reach[other, 1]) * (int(first[b] < p) - int(last[b] > p))
+                    gain -= (low < 2 * c < high) * (int(first[c] < p) - int(last[c] > p))
+                    gain -= (low < 2 * d < high) * (int(first[d] < p) - int(last[d] > p))
+                    cost += step * gain
+                    if cost < best_cost or (cost == best_cost and abs(p - home) < abs(best - home)):
+                        best, best_cost = p, cost
+                    p += step
+            step = 1 if best > home else -1
+            for p in range(home, best, step):
+                order[p], order[p + step] = order[p + step], lane
+                place[order[p]], place[lane] = p, p + step
             improved |= best_cost < 0
         if not improved:
             break
-
-
-@numba.njit(cache=True)
-def _count(order, ends, rank, short, start, incident):
-    place = np.empty(len(order), np.int64)
-    for p in range(len(order)):
-        place[order[p]] = p
+    first, last = _find_outermost(place, start, incident, -1)
     total = 0
-    for node in range(len(rank)):
-        if start[node] < start[node + 1]:
-            for lane in range(len(order)):
-                total += _between(node, lane, -1, 0, ends, rank, short, start, incident, place, place[lane])
+    for node in range(len(first)):
+        for lane in range(len(order)):
+            total += first[node] < place[lane] < last[node] and reach[lane, 0] < 2 * node < reach[lane, 1]
     return total
