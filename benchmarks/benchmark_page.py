@@ -35,7 +35,7 @@ def write_page(path, table):
 def summarize(table):
     """One row per program, task and cell: medians over the runs, and the status of the first."""
     wanted = ["raw", "warm", "copy", "peak", "faces", "contours", "points", "regions", "area", "absolute_area"]
-    wanted += ["nodes", "loops", "levels_used"]
+    wanted += ["nodes", "loops"]
     table = table.reindex(columns=[*table.columns, *(name for name in wanted if name not in table)])
     groups = table.groupby(["program", "task", *CELL], sort=False)
     return groups[wanted].median().join(groups[["status", "version"]].first()).reset_index()
@@ -176,11 +176,11 @@ def quote_peer(runs, name, cell):
 
 
 def solid_lines(runs):
-    lines = head("mesh", "faces", "levels", "loops", "raw", "warm", "bytes per face")
+    lines = head("mesh", "faces", "nodes", "loops", "raw", "warm", "bytes per face")
     for cell in sorted(cells_of(runs, "solid graph")):
         ours = find_run(runs, OURS, "solid graph", cell)
         if ours.status == "ok":
-            figures = count(ours.levels_used), count(ours.loops), figure(ours.raw), figure(ours.warm)
+            figures = count(ours.nodes), count(ours.loops), figure(ours.raw), figure(ours.warm)
             lines.append(row(cell[0], count(cell[1]), *figures, round(ours.peak / ours.faces)))
     return lines
 

@@ -50,10 +50,10 @@ def trace(mesh, heights):
     return trace_contours(mesh, make_levels(mesh, heights))
 
 
-def cut(mesh, heights):
-    from reebslice.levels import cut_surface, make_levels
+def nest(mesh, heights):
+    from reebslice.levels import nested_contours
 
-    return cut_surface(mesh, make_levels(mesh, heights), np.zeros(len(mesh.points), np.int32))
+    return nested_contours(mesh, heights)
 
 
 def check_contours(contours):
@@ -70,8 +70,9 @@ def check_contours(contours):
     }  # fmt: skip
 
 
-def check_slices(slices):
-    return check_contours(slices.contours) | {"regions": len(slices.regions.level)}
+def check_regions(nested):
+    contours, regions = nested
+    return check_contours(contours) | {"regions": len(regions.level)}
 
 
 def sweep(mesh, _):
@@ -84,16 +85,18 @@ def check_graph(graph):
     return graph_figures(len(graph.nodes), len(graph.arcs))
 
 
-def refine(mesh, _):
-    from reebslice.levels import slice_surface
+def solve(mesh, _):
+    """Both exact graphs, as `exact_graphs` makes them once the mesh is in order of height."""
+    from reebslice.exact_graphs import solid_reeb_graph
+    from reebslice.reeb import surface_reeb_graph
 
-    span = mesh.points[-1, 2] - mesh.points[0, 2]
-    return slice_surface(mesh, np.zeros(len(mesh.points), np.int32), 2 * span, "exact")[0]
+    surface = surface_reeb_graph(mesh)
+    return surface, solid_reeb_graph(mesh, surface, np.zeros(len(mesh.points), np.int32))
 
 
-def check_solid(slices):
-    figures = graph_figures(slices.n_blocks, len(slices.regions.level))
-    return {"loops": figures["loops"], "levels_used": len(slices.levels.height)}
+def check_solid(graphs):
+    nodes, arcs = graphs[1]
+    return graph_figures(len(nodes), len(arcs))
 
 
 # --------------------------------------------------------------------------
@@ -110,7 +113,7 @@ ENTRANTS = [
     Entrant("meshlib", "contours", "meshlib", peers.build_meshlib, peers.slice_meshlib, ring_figures, FLOAT32),
     Entrant("trimesh", "contours", "trimesh", peers.build_trimesh, peers.slice_trimesh, unsigned_figures, UNORIENTED),
     Entrant("open3d", "contours", "open3d", peers.build_open3d, peers.slice_open3d, peers.check_segments, UNJOINED),
-    Entrant("reebslice", "regions", "", order_simple, cut, check_slices),
+    Entrant("reebslice", "regions", "", order_mesh, nest, check_regions),
     Entrant("manifold3d", "regions", "manifold3d", peers.build_manifold, peers.nest_manifold, region_figures),
     Entrant("trimesh", "regions", "trimesh", peers.build_trimesh, peers.nest_trimesh, region_figures),
     Entrant("reebslice", "surface graph", "", order_simple, sweep, check_graph),
@@ -119,6 +122,6 @@ ENTRANTS = [
         "ceREEBerus", "surface graph", "cereeberus",
         peers.build_cereeberus, peers.sweep_cereeberus, peers.check_multigraph,
     ),  # fmt: skip
-    Entrant("reebslice", "solid graph", "", order_simple, refine, check_solid),
+    Entrant("reebslice", "solid graph", "", order_simple, solve, check_solid),
     Entrant("skeletor", "skeleton", "skeletor", peers.build_trimesh, peers.find_skeleton, peers.check_skeleton),
 ]
