@@ -11,6 +11,7 @@ makes it an error when one has become slower by a tenth.
 
 import numpy as np
 import pytest
+
 from bumpy_meshes import bumpy_torus, level_heights, white_noise
 from reebslice.critical import unfold_saddles, vertex_indices
 from reebslice.exact_graphs import solid_reeb_graph

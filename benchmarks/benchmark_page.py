@@ -1,6 +1,7 @@
 """The tables of docs/benchmarks.md and its figure, from the table of all runs."""
 
 import numpy as np
+
 from entrants import ENTRANTS
 
 MARKS = "<!-- {} begins -->\n", "<!-- {} ends -->"

@@ -23,6 +23,7 @@ from typing import NamedTuple
 
 import numpy as np
 import pandas as pd
+
 from benchmark_page import draw_growth, write_page
 from bumpy_meshes import bumpy_torus, level_heights, white_noise
 from entrants import ENTRANTS

@@ -28,12 +28,11 @@ os.environ.setdefault("NUMBA_CACHE_DIR", str(compiled_code_folder(ROOT / "workfl
 
 from corpus import find_models  # noqa: E402
 from mesh_formats import UnreadableMesh, read_mesh  # noqa: E402
-
 from reebslice.critical import unfold_saddles  # noqa: E402
 from reebslice.directions import fewest_levels  # noqa: E402
-from reebslice.scanning import find_critical_points  # noqa: E402
 from reebslice.heightmesh import find_twins, order_by_height  # noqa: E402
 from reebslice.inspection import inspect_surface  # noqa: E402
+from reebslice.scanning import find_critical_points  # noqa: E402
 from reebslice.tilts import (  # noqa: E402
     ANGLE_COST,
     assess_directions,

@@ -12,8 +12,6 @@ import argparse
 import io
 from pathlib import Path
 
-from model_runs import read_figures, run_model
-
 import networkx as nx  # noqa: E402
 import numpy as np  # noqa: E402
 from matplotlib.backends.backend_agg import FigureCanvasAgg  # noqa: E402
@@ -22,6 +20,7 @@ from matplotlib.lines import Line2D  # noqa: E402
 from PIL import Image  # noqa: E402
 
 from draw import stack_columns, tilt_points, trace_solid_arcs  # noqa: E402
+from model_runs import read_figures, run_model
 from reebslice.canvas import new_canvas  # noqa: E402
 from reebslice.graphml import Graph  # noqa: E402
 from reebslice.marks import INK, MARKS  # noqa: E402
@@ -120,13 +119,15 @@ def count(number, word):
 def read_simplified(folder):
     """The simplified solid graph, and for each of its arcs a line (k, 3) through material points.
 
-    Each arc is led along the shortest way in the whole graph between its ends
-    that other arcs between them have not taken, and past the events on it that are
-not shown.
+        Each arc is led along the shortest way in the whole graph between its ends
+        that other arcs between them have not taken, and past the events on it that are
+    not shown.
     """
     graph = nx.MultiGraph(nx.read_graphml(folder / "solid_simplified.graphml", force_multigraph=True))
     whole = nx.MultiGraph(nx.read_graphml(folder / "solid.graphml", force_multigraph=True))
-    inside = trace_solid_arcs(read_table(folder / "arcs.parquet", "arcs"), read_table(folder / "nodes.parquet", "nodes"))
+    inside = trace_solid_arcs(
+        read_table(folder / "arcs.parquet", "arcs"), read_table(folder / "nodes.parquet", "nodes")
+    )
     taken, paths = set(), {}
     for low, high, facts in sorted(graph.edges(data=True), key=lambda edge: edge[2]["upper"] - edge[2]["lower"]):
         if graph.nodes[low]["height"] > graph.nodes[high]["height"]:

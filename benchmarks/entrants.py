@@ -10,6 +10,7 @@ the functions, for the sake of those that are not installed.
 from typing import Callable, NamedTuple
 
 import numpy as np
+
 import peers
 from answer_figures import graph_figures, region_figures, ring_figures, unsigned_figures
 from clocks import processor_seconds
@@ -119,8 +120,12 @@ ENTRANTS = [
     Entrant("reebslice", "surface graph", "", order_simple, sweep, check_graph),
     Entrant("VTK", "surface graph", "vtk", peers.build_vtk, peers.sweep_vtk, peers.check_vtk_graph),
     Entrant(
-        "ceREEBerus", "surface graph", "cereeberus",
-        peers.build_cereeberus, peers.sweep_cereeberus, peers.check_multigraph,
+        "ceREEBerus",
+        "surface graph",
+        "cereeberus",
+        peers.build_cereeberus,
+        peers.sweep_cereeberus,
+        peers.check_multigraph,
     ),  # fmt: skip
     Entrant("reebslice", "solid graph", "", order_simple, solve, check_solid),
     Entrant("skeletor", "skeleton", "skeletor", peers.build_trimesh, peers.find_skeleton, peers.check_skeleton),

@@ -16,9 +16,10 @@ from pathlib import Path
 import manifold3d
 import numpy as np
 import trimesh
+from scipy.spatial.transform import Rotation
+
 from bumpy_meshes import bumpy_torus
 from noisy_volumes import write_ply
-from scipy.spatial.transform import Rotation
 
 FEWEST, MOST = 1_000, 50_000  # faces
 

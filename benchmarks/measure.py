@@ -15,6 +15,7 @@ import time
 from pathlib import Path
 
 import numpy as np
+
 from bumpy_meshes import bumpy_torus, level_heights
 from clocks import limit_processor_seconds, processor_seconds
 from entrants import ENTRANTS

@@ -10,9 +10,8 @@ import argparse
 import re
 from pathlib import Path
 
-from model_runs import ROOT, read_figures, run_model
-
 from batches import Rejected  # noqa: E402
+from model_runs import ROOT, read_figures, run_model
 
 HEAD = (
     "| model | faces | critical points | fewest levels | exact distance | levels | events | genus | shown | suppressed | hidden |",

@@ -57,7 +57,13 @@ def noisy_plate(size, white, waves, seed):
     plate = 0.11 - np.abs(y) + 0 * x
     disk = 0.43 - np.sqrt(x**2 + z**2) + 0 * y
     body = -_soft_least(-plate, -disk)
-    for angle, far, radius in ((0.3, 0.24, 0.1), (1.6, 0.25, 0.085), (2.9, 0.26, 0.07), (4.1, 0.24, 0.09), (5.2, 0.27, 0.055)):
+    for angle, far, radius in (
+        (0.3, 0.24, 0.1),
+        (1.6, 0.25, 0.085),
+        (2.9, 0.26, 0.07),
+        (4.1, 0.24, 0.09),
+        (5.2, 0.27, 0.055),
+    ):
         hole = np.sqrt((x - far * np.cos(angle)) ** 2 + (z - far * np.sin(angle)) ** 2) - radius + 0 * y
         body = np.minimum(body, hole)
     random = np.random.default_rng(seed)

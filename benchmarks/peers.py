@@ -4,6 +4,7 @@ Modules are imported by the functions, since a peer that is not installed is ski
 """
 
 import numpy as np
+
 from answer_figures import graph_figures
 
 # --------------------------------------------------------------------------

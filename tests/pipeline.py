@@ -87,10 +87,7 @@ def run_stages(solid, folder, **sections):
     write_off(folder / "model.off", solid)
     run_mesh(folder / "model.off", folder, **sections)
     tables = {name: read_table(folder / f"{name}.parquet", name).to_pylist() for name in TABLES}
-    graphs = {
-        name: nx.read_graphml(folder / f"{name}.graphml", force_multigraph=True)
-        for name in GRAPHS
-    }
+    graphs = {name: nx.read_graphml(folder / f"{name}.graphml", force_multigraph=True) for name in GRAPHS}
     tilt = json.loads((folder / "tilt.json").read_text())
     vertices = np.array([[row["x"], row["y"], row["z"]] for row in tables["vertices"]])
     faces = [(row["a"], row["b"], row["c"]) for row in tables["faces"]]

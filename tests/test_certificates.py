@@ -18,8 +18,21 @@ from reebslice.certification.certificates import certify
 from reebslice.certification.graphml import parse_graph
 from reebslice.schemas import EVENTS, GRAPHS, PIECE_KINDS, SCHEMAS
 from solids import (
-    bowl_shape, cube, cup, hollow_ball, icosphere, linked_rings, monkey_saddle, move, nested_shells, overhang, plate,
-    terrain, torus, unite, winding_voids,
+    bowl_shape,
+    cube,
+    cup,
+    hollow_ball,
+    icosphere,
+    linked_rings,
+    monkey_saddle,
+    move,
+    nested_shells,
+    overhang,
+    plate,
+    terrain,
+    torus,
+    unite,
+    winding_voids,
 )  # fmt: skip
 from sources import find_sources
 from storage import read_json, read_table

@@ -10,11 +10,11 @@ import numpy as np
 import pandas as pd
 import pytest
 import shapely
-from pipeline import run_stages, write_off
 
 import solids
 from compare_links import main as compare_links
 from compare_methods import main as gather
+from pipeline import run_stages, write_off
 from reebslice.comparison import (
     EVERY,
     KINDS,

@@ -51,7 +51,10 @@ def test_every_key_is_described_in_schema_and_readme():
         ({"levels": {"distance": float("inf"), "units": "absolute"}}, "levels.distance is inf: must be a finite"),
         ({"levels": {"distance": None}}, "levels.distance and levels.feature_size are both null"),
         ({"levels": 3}, "levels is 3: must be a group of keys"),
-        ({"tilt": {"mode": "atuo"}}, "tilt.mode is 'atuo': must be 'auto', 'none' or 'direction'; did you mean 'auto'?"),
+        (
+            {"tilt": {"mode": "atuo"}},
+            "tilt.mode is 'atuo': must be 'auto', 'none' or 'direction'; did you mean 'auto'?",
+        ),
         ({"tilt": {"mode": "direction"}}, "tilt.direction is missing"),
         ({"tilt": {"direction": [0, 0, 1]}}, "tilt.direction is given, but tilt.mode is 'auto'"),
         ({"tilt": {"mode": "direction", "direction": [0, 0, 0]}}, "tilt.direction is the zero vector"),

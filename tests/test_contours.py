@@ -3,10 +3,10 @@
 import numpy as np
 import pyarrow as pa
 import pytest
-import solids
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+import solids
 from reebslice import tables
 from reebslice.critical import unfold_saddles
 from reebslice.heightmesh import canonical_faces, find_twins, order_by_height

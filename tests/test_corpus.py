@@ -87,7 +87,9 @@ def work_of(models, members):
     return sum(1 + models[model].size / corpus.SMALL_MESH for model in members)
 
 
-@pytest.mark.parametrize("count, size, fewest, most", [(1, 32, 1, 1), (9, 32, 4, 9), (100, 32, 4, 14), (100, 4, 25, 50)])
+@pytest.mark.parametrize(
+    "count, size, fewest, most", [(1, 32, 1, 1), (9, 32, 4, 9), (100, 32, 4, 14), (100, 4, 25, 50)]
+)
 def test_a_small_corpus_is_spread_over_some_batches(count, size, fewest, most):
     assert fewest <= len(form_batches(some_models(count), size, 32)) <= most
 
@@ -109,9 +111,7 @@ def test_batches_deal_out_every_model_once_and_share_the_work(sizes, size, most)
     assert sorted(model for members in batches.values() for model in members) == list(models)
     limit = corpus._find_limit(models, size, most)
     for name, members in batches.items():
-        alone = len(members) == 1 and (
-            models[members[0]].size > corpus.LARGE_MESH or work_of(models, members) > limit
-        )
+        alone = len(members) == 1 and (models[members[0]].size > corpus.LARGE_MESH or work_of(models, members) > limit)
         assert alone == name.startswith("alone-")
         assert alone or work_of(models, members) <= limit
 

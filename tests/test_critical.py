@@ -2,10 +2,10 @@
 
 import numpy as np
 import pytest
-import solids
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+import solids
 from reebslice.critical import link_areas, morse_indices, saddle_contours, unfold_saddles, vertex_indices
 from reebslice.heightmesh import cross_at, find_twins, order_by_height
 from reebslice.pairing import connected_vertices

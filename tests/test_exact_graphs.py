@@ -4,12 +4,11 @@ from collections import Counter
 
 import numpy as np
 import pytest
-import reference
-import solids
 from hypothesis import assume, given
 from hypothesis import strategies as st
-from test_laws import cases
 
+import reference
+import solids
 from reebslice.critical import unfold_saddles, vertex_indices
 from reebslice.exact_graphs import exact_graphs
 from reebslice.graph_slices import contours_of_arcs, trace_arcs_at_levels
@@ -18,6 +17,7 @@ from reebslice.levels import cut_along_arcs, cut_surface, make_levels, slice_sur
 from reebslice.pairing import connected_vertices
 from reebslice.reeb import surface_reeb_graph
 from reebslice.slicing import trace_crossings
+from test_laws import cases
 
 
 def simple_mesh(solid, seed):

@@ -6,19 +6,19 @@ import warnings
 from fractions import Fraction
 from pathlib import Path
 
-import certify
 import numpy as np
-import pipeline
 import pytest
 import shapely
-import solids
 from hypothesis import assume, given
 from hypothesis import strategies as st
-from test_laws import cases, check_all
 
+import certify
+import pipeline
+import solids
 from reebslice.blocks import region_polygons
 from reebslice.exact_contours import encloses, exact_tilt, turns_clockwise
 from storage import read_json, read_table
+from test_laws import cases, check_all
 
 FAMILIES = {
     "boxes on a grid": solids.boxes_on_grid(),

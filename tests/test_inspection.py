@@ -2,12 +2,13 @@
 
 import json
 
-import make_examples
 import numpy as np
 import pytest
 import trimesh
 from hypothesis import given, settings
 from hypothesis import strategies as st
+
+import make_examples
 from make_examples import EXPECTED
 from mesh_formats import read_mesh
 from reebslice import closing, gluing, measures, merging, shells

@@ -6,13 +6,13 @@ from functools import cached_property
 
 import networkx as nx
 import numpy as np
-import pipeline
 import pytest
-import reference
-import solids
 from hypothesis import HealthCheck, Phase, assume, given, settings
 from hypothesis import strategies as st
 
+import pipeline
+import reference
+import solids
 from reebslice.critical import unfold_saddles
 from reebslice.heightmesh import order_by_height
 from reebslice.schemas import EVENTS

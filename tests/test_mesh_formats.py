@@ -5,10 +5,11 @@ import struct
 import numpy as np
 import pytest
 import trimesh
+
 from mesh_formats import SUFFIXES, UnreadableMesh, read_mesh
 from polygon_files import cut_strips, fan_polygons, parse_obj
-from reebslice.number_lines import Misread, read_numbers
 from reebslice.inspection import inspect_surface
+from reebslice.number_lines import Misread, read_numbers
 
 # A box of 1 x 2 x 3; its six sides as quadrilaterals, counter-clockwise from outside.
 CORNERS = np.array([[x, y, z] for z in (0, 3) for x, y in ((0, 0), (1, 0), (1, 2), (0, 2))], float)
@@ -36,9 +37,7 @@ def ascii_stl(end="\n", comment=""):
 
 
 def binary_stl(header=b"solid box, written by a program"):
-    body = b"".join(
-        struct.pack("<12fH", 0, 0, 0, *CORNERS[face].ravel(), 0) for face in TRIANGLES
-    )
+    body = b"".join(struct.pack("<12fH", 0, 0, 0, *CORNERS[face].ravel(), 0) for face in TRIANGLES)
     return header.ljust(80) + struct.pack("<I", len(TRIANGLES)) + body
 
 

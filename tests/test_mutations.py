@@ -5,12 +5,12 @@ from functools import cache
 from tempfile import TemporaryDirectory
 
 import networkx as nx
-import pipeline
 import pyarrow as pa
 import pytest
 import shapely
-import solids
 
+import pipeline
+import solids
 from certify import mesh_lengths
 from reebslice.certification.certificates import certify
 from reebslice.schemas import EVENTS, GRAPHS, MODEL_TABLES, OPERATIONS, PIECE_KINDS, SCHEMAS

@@ -8,11 +8,11 @@ from pathlib import Path
 import networkx as nx
 import numpy as np
 import pytest
-import solids
-from pipeline import run_stages
 
 import certify
-from storage import read_json, read_table
+import solids
+from pipeline import run_stages
+from storage import read_json
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "benchmarks"))
 noisy_volumes = importlib.import_module("noisy_volumes")

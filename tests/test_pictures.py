@@ -5,15 +5,15 @@ import io
 import networkx as nx
 import numpy as np
 import pytest
-import solids
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from PIL import Image
-from pipeline import run_stages
 from scipy.ndimage import label
 
 import certify
 import draw
+import solids
+from pipeline import run_stages
 from reebslice.canvas import SIDES, draw_lines, draw_marks, draw_segments, encode_png, new_canvas
 from reebslice.graphml import Graph
 from reebslice.lane_orders import count_crossings, order_lanes
@@ -186,7 +186,9 @@ def test_a_mark_fills_its_shape(shape, area):
     draw_marks(canvas, [(30.2, 29.7)], shape, 15, np.zeros(3), 0.0, np.zeros(3))
     assert blacken(canvas) == pytest.approx(30**2 * area, rel=0.02)
     tips = np.argwhere(canvas.image[:, :, 0] < 128)[[0, -1], 0]
-    upward = np.ptp(np.argwhere(canvas.image[tips[0], :, 0] < 128)) < np.ptp(np.argwhere(canvas.image[tips[1], :, 0] < 128))
+    upward = np.ptp(np.argwhere(canvas.image[tips[0], :, 0] < 128)) < np.ptp(
+        np.argwhere(canvas.image[tips[1], :, 0] < 128)
+    )
     assert shape not in "^v" or upward == (shape == "^")
     assert set(SIDES) == {"o", "^", "v", "D", "s"}
 

@@ -4,16 +4,15 @@ import csv
 import json
 from pathlib import Path
 
-import certify
 import pytest
+
+import certify
 from pipeline import run_mesh
 
 CORPUS = Path(__file__).parents[2] / "shared" / "meshes"
 LARGEST = 60_000  # faces; the larger ones take most of the time and show nothing else
 
-pytestmark = pytest.mark.skipif(
-    not (CORPUS / "MANIFEST.csv").is_file(), reason="the corpus ../shared/meshes is absent"
-)
+pytestmark = pytest.mark.skipif(not (CORPUS / "MANIFEST.csv").is_file(), reason="the corpus ../shared/meshes is absent")
 
 DEFAULT = {
     "tilt": {"mode": "auto", "cone": 15, "candidates": 32, "seed": 0},

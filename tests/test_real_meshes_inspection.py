@@ -4,14 +4,13 @@ import csv
 from pathlib import Path
 
 import pytest
+
 from mesh_formats import UnreadableMesh, read_mesh
 from reebslice.inspection import inspect_surface
 
 CORPUS = Path(__file__).parents[2] / "shared" / "meshes"
 
-pytestmark = pytest.mark.skipif(
-    not (CORPUS / "MANIFEST.csv").is_file(), reason="the corpus ../shared/meshes is absent"
-)
+pytestmark = pytest.mark.skipif(not (CORPUS / "MANIFEST.csv").is_file(), reason="the corpus ../shared/meshes is absent")
 
 # What the reason must name; every other mesh must be accepted.
 REJECTED = {
@@ -75,8 +74,13 @@ def test_defects_are_told():
     found = {
         name: inspect_surface(*read_mesh(CORPUS / name))[1]
         for name in (
-            "cow_pinch.off", "blobby_shuffled.off", "benchy_225k.ply", "cube_7_8ths.stl", "joined_tetrahedra.obj",
-            "conrod_nm.stl", "far_100_000.stl",
+            "cow_pinch.off",
+            "blobby_shuffled.off",
+            "benchy_225k.ply",
+            "cube_7_8ths.stl",
+            "joined_tetrahedra.obj",
+            "conrod_nm.stl",
+            "far_100_000.stl",
         )  # fmt: skip
     }
     assert found["cow_pinch.off"]["pinch_vertices_split"] == 1

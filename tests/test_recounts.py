@@ -11,7 +11,7 @@ from reebslice.certification.recount_holes import Nest
 from reebslice.certification.recount_joins import find_components
 from reebslice.certification.recount_shapes import measure_curves
 from reebslice.certification.recount_surface import count_links, find_sides, measure_shells, rank_surface
-from solids import blob, hollow_ball, plate, torus, voxels
+from solids import blob, hollow_ball, plate, torus
 
 
 @pytest.mark.parametrize("seed", range(5))

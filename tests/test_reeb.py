@@ -5,12 +5,11 @@ from collections import Counter
 import networkx as nx
 import numpy as np
 import pytest
-import reference
-import solids
 from hypothesis import assume, given
 from hypothesis import strategies as st
-from test_laws import cases
 
+import reference
+import solids
 from reebslice.critical import unfold_saddles, vertex_indices
 from reebslice.heightmesh import order_by_height
 from reebslice.levels import make_levels, uniform_heights
@@ -18,6 +17,7 @@ from reebslice.reeb import critical_persistence, surface_reeb_graph
 from reebslice.sampling import event_spans, fewest_uniform_levels, sampling_figures
 from reebslice.simplification import extended_pairs, simplify_graph
 from reebslice.slicing import trace_contours
+from test_laws import cases
 
 
 def height_mesh(solid, seed=None):
@@ -106,7 +106,9 @@ def test_partners_are_those_of_the_reduced_matrix(solid, seed):
 def test_every_level_cuts_as_many_arcs_as_it_has_contours(solid, seed, count):
     mesh = height_mesh(solid, seed)
     graph = surface_reeb_graph(mesh)
-    levels = make_levels(mesh, uniform_heights(mesh.points[0, 2], mesh.points[-1, 2], np.ptp(mesh.points[:, 2]) / count))
+    levels = make_levels(
+        mesh, uniform_heights(mesh.points[0, 2], mesh.points[-1, 2], np.ptp(mesh.points[:, 2]) / count)
+    )
     low, high = graph.nodes[graph.arcs].T
     cut = [((low < below) & (below <= high)).sum() for below in levels.below]
     assert cut == np.bincount(trace_contours(mesh, levels).level, minlength=len(cut)).tolist()

@@ -5,9 +5,10 @@ from collections import Counter
 import networkx as nx
 import numpy as np
 import pytest
+from hypothesis import HealthCheck, assume, given, settings
+
 import reference
 import solids
-from hypothesis import HealthCheck, assume, given, settings
 
 LAX = [HealthCheck.too_slow, HealthCheck.filter_too_much]
 SLOW = settings(max_examples=30, deadline=None, derandomize=True, database=None, suppress_health_check=LAX)

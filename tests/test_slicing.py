@@ -2,16 +2,14 @@
 
 import numpy as np
 import pytest
-import shapely
-import solids
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from pipeline import run_stages
 
+import solids
 from batches import Rejected
+from pipeline import run_stages
 from reebslice import slicing
 from reebslice.critical import unfold_saddles, vertex_indices
-from reebslice.curves import close_curves, pack_curves
 from reebslice.heightmesh import order_by_height
 from reebslice.levels import (
     crowded_points,
@@ -91,9 +89,7 @@ def test_a_tunnel_between_two_levels_is_hidden_genus():
 
 def test_a_void_between_two_levels_belongs_to_the_block_around_it():
     centre = solids.cube().points.mean(axis=0)
-    solid = solids.unite(
-        solids.cube(), solids.carve(solids.move(solids.scale(solids.icosphere(1), 0.05), centre))
-    )
+    solid = solids.unite(solids.cube(), solids.carve(solids.move(solids.scale(solids.icosphere(1), 0.05), centre)))
     mesh, slices = cut(solid, [centre[2] - 0.2, centre[2] + 0.2])
     unseen = slices.pieces.kinds().index("unseen")
     wall = [p for p, slab in enumerate(slices.pieces.slab) if slab == slices.pieces.slab[unseen] and p != unseen]
@@ -140,7 +136,9 @@ def test_a_cut_separates_any_two_ranks(solid, data):
     high = data.draw(st.integers(low + 1, len(mesh.points) - 1))
     height, below, tie_x, tie_y = cut_between(mesh, low, high)
     assert low < below <= high
-    above = [(z, x, y) > ((height, tie_x, tie_y) if tie_x == tie_x else (height, np.inf, np.inf)) for x, y, z in mesh.points]
+    above = [
+        (z, x, y) > ((height, tie_x, tie_y) if tie_x == tie_x else (height, np.inf, np.inf)) for x, y, z in mesh.points
+    ]
     assert above == [rank >= below for rank in range(len(mesh.points))]
 
 

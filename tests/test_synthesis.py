@@ -5,10 +5,10 @@ import networkx as nx
 import numpy as np
 import pytest
 import shapely
-from pipeline import run_stages
 
 import reference
 import solids
+from pipeline import run_stages
 from reebslice.circles import clearances, largest_circles
 from reebslice.components import connected_items
 from reebslice.curves import close_curves, curve_centres, pack_curves, unpack_curves
@@ -122,15 +122,23 @@ def stack(*levels, distance=1.0):
 
 
 def test_similarity_links_pairs_joins_and_splits():
-    assert link_by_similarity(*stack([box(0, 0, 1), box(5, 0, 1)], [box(0.2, 0, 1), box(5.2, 0, 1)])) == [(0, 2), (1, 3)]
+    assert link_by_similarity(*stack([box(0, 0, 1), box(5, 0, 1)], [box(0.2, 0, 1), box(5.2, 0, 1)])) == [
+        (0, 2),
+        (1, 3),
+    ]
     assert link_by_similarity(*stack([box(0, 0, 1), box(1.1, 0, 1)], [box(0, 0, 2.1)])) == [(0, 2), (1, 2)]
     assert link_by_similarity(*stack([box(0, 0, 2.1)], [box(0, 0, 1), box(1.1, 0, 1)])) == [(0, 1), (0, 2)]
-    assert link_by_similarity(*stack([box(0, 0, 1)], [box(3, 0, 1)])) == link_by_similarity(*stack([box(0, 0, 1)])) == []
+    assert (
+        link_by_similarity(*stack([box(0, 0, 1)], [box(3, 0, 1)])) == link_by_similarity(*stack([box(0, 0, 1)])) == []
+    )
 
 
 def test_similarity_prefers_the_most_similar():
     # neighbours that both drift: each overlaps what the other becomes, by a little or by a lot
-    assert link_by_similarity(*stack([box(0, 0, 1), box(1, 0, 1)], [box(0.3, 0, 1), box(1.3, 0, 1)])) == [(0, 2), (1, 3)]
+    assert link_by_similarity(*stack([box(0, 0, 1), box(1, 0, 1)], [box(0.3, 0, 1), box(1.3, 0, 1)])) == [
+        (0, 2),
+        (1, 3),
+    ]
     # bodies that overlap one another go on separately
     big, small = box(0, 0, 4, 4), box(3, 3, 2, 2)
     assert link_by_similarity(*stack([big, small], [big, small])) == [(0, 2), (1, 3)]

@@ -4,17 +4,16 @@ import itertools
 from fractions import Fraction
 from pathlib import Path
 
-import inspect_mesh
 import networkx as nx
 import numpy as np
 import pytest
-import reference
-import solids
 from hypothesis import given
 from hypothesis import strategies as st
-from pipeline import OPTIONS
-from test_laws import cases
 
+import inspect_mesh
+import reference
+import solids
+from pipeline import OPTIONS
 from reebslice import tilts
 from reebslice.critical import unfold_saddles, vertex_indices
 from reebslice.directions import fewest_levels, find_significant
@@ -31,6 +30,7 @@ from reebslice.tilts import (
     sos_ranks,
 )
 from surfaces import read_faces, read_points
+from test_laws import cases
 
 CORPUS = Path(__file__).parents[2] / "shared" / "meshes"
 SOLIDS = st.one_of(

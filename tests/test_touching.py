@@ -5,11 +5,12 @@ import tempfile
 import manifold3d
 import numpy as np
 import pytest
+from scipy import ndimage
+
 from certify import main as certify
 from pipeline import OPTIONS, missing_stages, run_stages
 from reebslice import closing, gluing, overlaps, touching
 from reebslice.inspection import inspect_surface
-from scipy import ndimage
 from solids import Solid, carve, hollow_ball, icosphere, linked_rings, move, permute, rotation, torus, transform, unite
 from storage import read_json
 

@@ -73,9 +73,7 @@ def _complete(value, schema):
     """Fill in defaults, group by group, in the schema's order of keys."""
     if schema.get("type") != "object":
         return value
-    return {
-        key: _complete(value.get(key, part.get("default", {})), part) for key, part in schema["properties"].items()
-    }
+    return {key: _complete(value.get(key, part.get("default", {})), part) for key, part in schema["properties"].items()}
 
 
 def _resolve_levels(levels):

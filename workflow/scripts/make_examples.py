@@ -214,9 +214,7 @@ def _trace(distance, low, high, step):
 
 
 def _to_manifold(mesh):
-    return manifold3d.Manifold(
-        manifold3d.Mesh(mesh.vertices.astype(np.float32), mesh.faces.astype(np.uint32))
-    )
+    return manifold3d.Manifold(manifold3d.Mesh(mesh.vertices.astype(np.float32), mesh.faces.astype(np.uint32)))
 
 
 def _to_trimesh(solid):

@@ -84,9 +84,7 @@ def read_triangles(head, body):
     return np.column_stack([table[name] for name in "xyz"]), faces["corners"]
 
 
-_PLY_LAYOUT = (
-    r"element vertex (\d+)\s+((?:property \w+ \w+\s+)+)element {} (\d+)\s+property list (\w+) (\w+) {}\s*"
-)
+_PLY_LAYOUT = r"element vertex (\d+)\s+((?:property \w+ \w+\s+)+)element {} (\d+)\s+property list (\w+) (\w+) {}\s*"
 _PLY_REST = r"((?:property \w+ \w+\s+)*)(?:element|$)"
 
 

@@ -10,7 +10,9 @@ OUTPUTS = ("nodes.parquet",)
 
 def main(source, target, options):
     """Sample the regions of the model in folder `source`, write the points to folder `target`."""
-    contours, pieces, levels = (read_table(source / f"{name}.parquet", name) for name in ("contours", "pieces", "levels"))
+    contours, pieces, levels = (
+        read_table(source / f"{name}.parquet", name) for name in ("contours", "pieces", "levels")
+    )
     nodes = sample_nodes(contours, pieces, levels, read_rotation(source), options["sampler"])
     write_table(target / "nodes.parquet", "nodes", nodes)
 

@@ -28,9 +28,7 @@ GEOPARQUET = {
     "contours": {
         "version": "1.1.0",
         "primary_column": "geometry",
-        "columns": {
-            "geometry": {"encoding": "WKB", "geometry_types": ["LineString"], "crs": None, "edges": "planar"}
-        },
+        "columns": {"geometry": {"encoding": "WKB", "geometry_types": ["LineString"], "crs": None, "edges": "planar"}},
     }
 }
 

@@ -87,9 +87,7 @@ def _note_closing(points, found, record):
     if found.degenerate:
         record["repairs"].append(f"dropped {found.degenerate} faces with two equal corners")
     if found.own_numbering:
-        record["repairs"].append(
-            "kept apart parts that touch along mesh edges, as the file numbers its vertices"
-        )
+        record["repairs"].append("kept apart parts that touch along mesh edges, as the file numbers its vertices")
 
 
 def _check_closed(points, found, options):

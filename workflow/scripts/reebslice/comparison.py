@@ -7,8 +7,8 @@ import pandas as pd
 import shapely
 
 from .blocks import block_regions, region_levels, region_polygons
-from .handles import name_change
 from .components import connected_items
+from .handles import name_change
 from .schemas import EVENTS
 from .similarity import link_by_proximity, link_by_similarity, near_pairs
 

@@ -35,7 +35,9 @@ def trace_arcs(parts):
                 following = part_above[nodes[-1]]
             target = joints[following][0]
             between = part, following
-            arcs.append({"source": inside[-1], "target": target, "nodes": nodes, "through": through, "between": between})
+            arcs.append(
+                {"source": inside[-1], "target": target, "nodes": nodes, "through": through, "between": between}
+            )
     for arc in arcs:
         ends[list(arc["between"])] += 1 if arc["between"][0] != arc["between"][1] else 2
     share = (parts.measure / np.maximum(ends, 1)).tolist()

@@ -80,7 +80,7 @@ def _split_obj(letters):
         while i < n and letters[i] != NEW_LINE and _is_blank(letters[i]):
             i += 1
         first, second = letters[i] if i < n else NEW_LINE, letters[i + 1] if i + 1 < n else NEW_LINE
-        alone, begin_vertex, begin_face = _is_blank(second), n_vertices, n_faces
+        alone = _is_blank(second)
         vertex, face = first == V and alone, first == F and alone
         passed = first == NEW_LINE or first == HASH or (first == V and (second == T or second == N))
         passed |= (first == G or first == O or first == S) and alone

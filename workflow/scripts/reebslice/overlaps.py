@@ -10,7 +10,6 @@ import numpy as np
 
 from .faults import tell_place
 
-
 SHIFT = 1e-9  # of the largest extent: the union must not change if bodies move by so much
 TRIALS = 2
 

@@ -171,7 +171,12 @@ def _first_face_along_x(points, faces, vertex, body, piece):
     ends = np.empty((2, 2))
     for f in range(faces.shape[0]):
         a, b, c = faces[f]
-        if points[a, 2] > z or max(points[b, 2], points[c, 2]) <= z or body[a] != body[vertex] or piece[a] == piece[vertex]:
+        if (
+            points[a, 2] > z
+            or max(points[b, 2], points[c, 2]) <= z
+            or body[a] != body[vertex]
+            or piece[a] == piece[vertex]
+        ):
             continue
         found = 0
         for p, q in ((points[a], points[b]), (points[b], points[c]), (points[c], points[a])):

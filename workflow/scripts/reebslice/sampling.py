@@ -2,8 +2,8 @@
 
 import numpy as np
 
-from .levels import pierce
 from .components import connected_items
+from .levels import pierce
 
 # Uniform levels are tried up to this number, a bunch at a time.
 MOST_LEVELS = 1_000_000

@@ -213,9 +213,7 @@ def _mirror_nests(enclosing, depth, signs, free):
 
 def _find_body(around, signs, body, volumes, otherwise):
     solid = [
-        other
-        for other in around
-        if signs[other] > 0 and not any(signs[v] < 0 and body[v] == other for v in around)
+        other for other in around if signs[other] > 0 and not any(signs[v] < 0 and body[v] == other for v in around)
     ]
     solid = solid or [other for other in around if signs[other] > 0] or [otherwise]
     return min(solid, key=lambda other: (volumes[other], other))

@@ -12,8 +12,8 @@ from typing import NamedTuple
 import numpy as np
 import shapely
 
-from .outlines import find_outlines, shared_areas
 from .components import connected_items
+from .outlines import find_outlines, shared_areas
 
 # Tuned on half of a corpus, see docs/connectivity.md. Of the smaller of two
 # shapes this share must lie in the other.

@@ -19,7 +19,12 @@ METHODS = ("exact", "similarity", "proximity")
 SOLID_ATTRIBUTES = ("arc", "lower", "upper", "length", "volume", "similarity_min", "n_nodes")
 SURFACE_ATTRIBUTES = ("arc", "lower", "upper", "length", "area", "inner", "n_nodes")
 # what a joint does by how many items it has below and above (many: 2)
-GUESSED = {(0, 1): (0, "A", "creation"), (1, 0): (2, "B", "annihilation"), (2, 1): (1, "A", "union"), (1, 2): (1, "B", "separation")}
+GUESSED = {
+    (0, 1): (0, "A", "creation"),
+    (1, 0): (2, "B", "annihilation"),
+    (2, 1): (1, "A", "union"),
+    (1, 2): (1, "B", "separation"),
+}
 
 
 class Synthesis(NamedTuple):
@@ -61,7 +66,9 @@ def synthesize(contours, pieces, handles, nodes, rotation, feature_size, method=
     solid_joints = joint_rows(solid, material, nodes["height"].to_numpy(), rows, held[0])
     surface_joints = joint_rows(surface, centres, contours["height"].to_numpy(), rows, held[1])
     edges = edges_table(pairs, truth, solid, solid_joints, polygons, region_levels(contours), method)
-    similarity = dict(zip(zip(edges["source"].to_pylist(), edges["target"].to_pylist()), edges["similarity"].to_pylist()))
+    similarity = dict(
+        zip(zip(edges["source"].to_pylist(), edges["target"].to_pylist()), edges["similarity"].to_pylist())
+    )
     traced, inner = (trace_arcs(solid), trace_arcs(surface)), contours["inner"].to_pylist()
     bounds = bounding_arcs(solid, *traced, contours["region"].to_pylist(), inner)
     solid_arcs = arc_columns(traced[0], "solid", solid_joints, material, similarity, bounds[0])

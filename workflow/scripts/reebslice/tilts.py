@@ -3,7 +3,6 @@
 import math
 
 import numpy as np
-
 from numba import njit
 
 from .directions import fewest_levels, find_significant
@@ -41,7 +40,9 @@ def rotation_to_vertical(direction):
     x, y, z = direction
     if z < -1 + 1e-12:
         return np.array([[1.0, 0.0, 0.0], [0.0, -1.0, 0.0], [x, y, z]])
-    return np.array([[1 - x * x / (1 + z), -x * y / (1 + z), -x], [-x * y / (1 + z), 1 - y * y / (1 + z), -y], [x, y, z]])
+    return np.array(
+        [[1 - x * x / (1 + z), -x * y / (1 + z), -x], [-x * y / (1 + z), 1 - y * y / (1 + z), -y], [x, y, z]]
+    )
 
 
 def candidate_directions(count, cone, seed):

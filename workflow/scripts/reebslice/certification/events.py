@@ -7,8 +7,8 @@ its findings in; what it recomputes it leaves in the case for later checks.
 import numpy as np
 import shapely
 
-from .recount_sides import local_sides
 from ..schemas import EVENTS
+from .recount_sides import local_sides
 
 INDEX_OF_KIND = {"birth": 0, "death": 2, "join": 1, "split": 1}
 

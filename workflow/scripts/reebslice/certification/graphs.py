@@ -8,8 +8,8 @@ from collections import Counter
 
 import numpy as np
 
-from .recount_graphs import count_loops, find_augmented_edges
 from ..schemas import EVENTS
+from .recount_graphs import count_loops, find_augmented_edges
 
 SOLID_COLUMNS = ("arc", "lower", "upper", "length", "volume", "similarity_min")
 SURFACE_COLUMNS = ("arc", "lower", "upper", "length", "area")
@@ -108,9 +108,7 @@ def _check_augmented(case, ledger):
         stated == expected,
         "" if stated == expected else "Ends or operations differ.",
     )
-    kinds = [
-        data.get("kind") == {"h": "handle", "n": "point"}.get(str(name)[:1]) for name, data in found.nodes.items()
-    ]
+    kinds = [data.get("kind") == {"h": "handle", "n": "point"}.get(str(name)[:1]) for name, data in found.nodes.items()]
     ledger.rows("augmented.kind", kinds, "handle or point")
     _check_attributes(case, ledger, "augmented", found)
     edges = case.columns.edges
