@@ -27,6 +27,10 @@ rule all:
         WITHDRAWN,
 
 
+onstart:
+    drop_rate_limit()
+
+
 onsuccess:
     close_run()
 

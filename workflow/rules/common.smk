@@ -98,7 +98,18 @@ def last_status_tables():
     return [f"results/status/{STAGES[-1]}/{batch}.parquet" for batch in BATCHES]
 
 
-# The last lines of a run -----------------------------------------------------
+# The beginning and the end of a run ------------------------------------------
+
+
+def drop_rate_limit():
+    """Let Snakemake start jobs as cores get free, whatever their number in a second.
+
+    To keep a limit it looks over all ready jobs in every second once for each
+    job that has ended so far, which takes a core to itself on a large corpus
+    (https://github.com/snakemake/snakemake/pull/3744). Jobs here are few and long.
+    """
+    if hasattr(workflow.scheduler, "job_rate_limiter"):
+        workflow.scheduler.job_rate_limiter = None
 
 
 def close_run():

@@ -171,7 +171,7 @@ def _find_limit(models, size, most):
     limit, total = float(size), sum(min(_work(mesh), size) for mesh in models.values())
     while total > most * limit:
         limit *= 2
-    while total < min(FEW_BATCHES, most) * limit and limit > 1:
+    while total < min(FEW_BATCHES, most) * limit and limit > 2:
         limit /= 2
     return limit
 
