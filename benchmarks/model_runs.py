@@ -30,16 +30,7 @@ def run_model(path, folder, kept=False, tilt=(), **levels):
     ``distance=None, feature_size=0.1``. kept : take results that are there
     as they are. Raises what a stage raises, `RejectedMesh` among it.
     """
-    options = CONFIG["levels"] | levels
-    sections = {
-        "inspect_mesh": CONFIG["inspect"],
-        "select_tilt": CONFIG["tilt"] | dict(tilt),
-        "slice_mesh": options,
-        "classify_handles": {},
-        "sample_nodes": CONFIG["nodes"],
-        "synthesize_edges": CONFIG["edges"] | {"levels": options},
-        "certify": options,
-    }
+    sections = stage_options(tilt, **levels)
     base = Path(folder) / Path(path).stem
     target = base / ("_".join(f"{name}_{value}" for name, value in levels.items() if value is not None) or "default")
     if kept and (target / "certificate.json").exists():
@@ -55,6 +46,21 @@ def run_model(path, folder, kept=False, tilt=(), **levels):
     for stage in THEN:
         importlib.import_module(stage).main(target, target, sections[stage])
     return target
+
+
+def stage_options(tilt=(), **levels):
+    """The options of every stage, by its name: those of the configuration, but for what is given."""
+    levels = CONFIG["levels"] | levels
+    return {
+        "inspect_mesh": CONFIG["inspect"],
+        "select_tilt": CONFIG["tilt"] | dict(tilt),
+        "slice_mesh": levels,
+        "classify_handles": {},
+        "sample_nodes": CONFIG["nodes"],
+        "synthesize_edges": CONFIG["edges"] | {"levels": levels},
+        "certify": levels,
+        "draw": CONFIG["draw"],
+    }
 
 
 def read_figures(folder):

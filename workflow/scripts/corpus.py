@@ -195,7 +195,7 @@ def _split_by_prefix(prefix, places, work, limit):
 
 def predict_memory(models, members):
     """Return the memory in MB for any stage of a batch: what the libraries take, and a share by its largest mesh."""
-    return 600 + 60 * max(models[model].size for model in members) / 2**20
+    return 600 + 30 * max(models[model].size for model in members) / 2**20
 
 
 def predict_minutes(models, members):

@@ -29,7 +29,7 @@ def _count_indices(faces, n):
 def morse_indices(mesh, vertices):
     """Morse index (0, 1, 2) of critical `vertices` of an unfolded mesh, (k,) int32."""
     is_top = np.zeros(len(mesh.points), bool)  # some face has it as its highest corner
-    is_top[mesh.faces.max(axis=1)] = True
+    is_top[np.maximum(mesh.faces[:, 1], mesh.faces[:, 2])] = True  # the first corner is the lowest
     saddle = vertex_indices(mesh)[vertices] < 0
     return np.where(saddle, 1, np.where(is_top[vertices], 2, 0)).astype(np.int32)
 

@@ -1,0 +1,89 @@
+"""Where the time goes on one large mesh: seconds and memory of every stage, beside those of reading and slicing alone.
+
+    python benchmarks/profile_scan.py [FACES] [LEVELS]
+
+The mesh is the bumpy torus as a binary STL file; the configuration is that of
+config/config.yaml but for the number of levels. Every stage runs in a process
+of its own, after a small mesh that loads and compiles what it needs.
+"""
+
+import importlib
+import json
+import os
+import resource
+import subprocess
+import sys
+import tempfile
+import time
+from pathlib import Path
+
+import numpy as np
+from bumpy_meshes import bumpy_torus, level_heights
+from make_corpus import write_stl
+from model_runs import stage_options
+
+STAGES = tuple(stage_options())
+
+
+def main(faces="1000000", levels="1000"):
+    with tempfile.TemporaryDirectory() as folder:
+        for name, count in (("small", 20_000), ("large", int(faces))):
+            arrays = bumpy_torus(count)
+            write_stl(Path(folder) / f"{name}.stl", *arrays)
+            np.savez(Path(folder) / f"{name}.npz", *arrays)
+        found = {task: run(task, folder, levels) for task in ("read", "slice", *STAGES)}
+    limit = found["read"]["seconds"] + found["slice"]["seconds"]
+    total = sum(found[stage]["seconds"] for stage in STAGES)
+    for task, figures in found.items():
+        share = f"{figures['seconds'] / total:5.0%}" if task in STAGES else ""
+        print(f"{task:18} {figures['seconds']:7.2f} s {figures['peak_mb']:7.0f} MB {share}")
+    print(f"all stages {total:.2f} s = {total / limit:.1f} x (read + slice)")
+
+
+def run(*arguments):
+    """What a process of its own measures."""
+    command = [sys.executable, __file__, "--task", *arguments]
+    alone = os.environ | {"OPENBLAS_NUM_THREADS": "1"}  # as Snakemake has it for a job of one core
+    return json.loads(subprocess.run(command, check=True, env=alone, stdout=subprocess.PIPE).stdout.splitlines()[-1])
+
+
+def measure(task, folder, levels):
+    """Run one task on the small mesh and then on the large one; print processor seconds and peak of the latter."""
+    work = {"read": read, "slice": cut}.get(task, run_stage)
+    for name in ("small", "large"):
+        start = time.process_time()
+        work(task, Path(folder), name, int(levels))
+        seconds = time.process_time() - start
+    print(json.dumps({"seconds": seconds, "peak_mb": resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024}))
+
+
+def read(_, folder, name, __):
+    """From the file to merged arrays."""
+    from mesh_formats import read_mesh
+    from reebslice.merging import merge_exactly
+
+    merge_exactly(*read_mesh(folder / f"{name}.stl"))
+
+
+def cut(_, folder, name, levels):
+    """From arrays to nested contours."""
+    from reebslice.heightmesh import order_by_height
+    from reebslice.levels import nested_contours
+
+    points, faces = np.load(folder / f"{name}.npz").values()
+    nested_contours(order_by_height(points, faces, np.eye(3)), level_heights(points, levels))
+
+
+def run_stage(stage, folder, name, levels):
+    """One stage, as the workflow runs it."""
+    target = folder / name
+    target.mkdir(exist_ok=True)
+    source = folder / f"{name}.stl" if stage == STAGES[0] else target
+    importlib.import_module(stage).main(source, target, stage_options(distance=1 / levels)[stage])
+
+
+if __name__ == "__main__":
+    if sys.argv[1:2] == ["--task"]:
+        measure(*sys.argv[2:])
+    else:
+        main(*sys.argv[1:])
