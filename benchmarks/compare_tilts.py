@@ -33,6 +33,7 @@ from reebslice.directions import fewest_levels  # noqa: E402
 from reebslice.heightmesh import find_twins, order_by_height  # noqa: E402
 from reebslice.inspection import inspect_surface  # noqa: E402
 from reebslice.scanning import find_critical_points  # noqa: E402
+from reebslice.surveying import survey_surface  # noqa: E402
 from reebslice.tilts import (  # noqa: E402
     ANGLE_COST,
     assess_directions,
@@ -121,8 +122,9 @@ def levels_of_all_arcs(points, faces, direction):
     """The fewest levels that pierce every arc of the surface's Reeb graph, those inside flats as well."""
     mesh = unfold_saddles(order_by_height(points, faces, rotation_to_vertical(direction)))
     rank = np.arange(len(mesh.points), dtype=float)
-    found = find_critical_points(mesh.faces, rank)
-    return fewest_levels(mesh.faces, rank, found, found.index != 0)
+    surface = survey_surface(mesh.points, mesh.faces, np.array([[0.0, 0.0, 1.0]]), rounding=0.0)
+    found = find_critical_points(surface, rank)
+    return fewest_levels(surface, rank, found, found.index != 0)
 
 
 def flat_share(points, faces):

@@ -2,6 +2,7 @@
 
 import json
 
+import networkx as nx
 import numpy as np
 import pytest
 import trimesh
@@ -11,7 +12,7 @@ from hypothesis import strategies as st
 import make_examples
 from make_examples import EXPECTED
 from mesh_formats import read_mesh
-from reebslice import closing, gluing, measures, merging, shells
+from reebslice import closing, face_orders, gluing, measures, merging, shells
 from reebslice.inspection import REPAIRS, inspect_surface
 
 
@@ -427,9 +428,49 @@ def test_result_is_a_fixed_point():
 def test_fans_are_the_link_cycles():
     points, faces = merging.merge_exactly(*MESHES["pinched"])
     glued = closing.glue(faces, len(points))
-    opposite = gluing.pair_half_edges(glued.order, glued.starts)
-    assert len(np.unique(gluing.label_corners(glued.faces, opposite))) == 24
-    assert np.array_equal(opposite[opposite], np.arange(len(opposite)))
+    assert len(np.unique(gluing.label_corners(glued.faces, glued.opposite))) == 24
+    component = gluing.label_components(glued.faces, glued.opposite)[0]
+    split, origin = gluing.split_pinches(glued.faces, glued.opposite, component, len(points))
+    assert len(origin) == 24 and np.array_equal(origin[split], glued.faces)
+
+
+def test_other_halves_of_mesh_edges_are_those_of_the_groups():
+    for name, (points, faces) in MESHES.items():
+        positions, merged = merging.merge_exactly(points, faces)
+        merged = merged[closing.find_distinct(merged)]
+        for chosen in (merged, merged[1:], merged[np.r_[0, 0, 0 : len(merged)]], merged[::2]):
+            opposite = gluing.match_half_edges(chosen, len(positions))
+            order, starts = gluing.group_half_edges(chosen, len(positions))
+            assert (opposite is None) == bool((np.diff(starts) != 2).any()), name
+            if opposite is not None:
+                assert opposite.tolist() == gluing.pair_half_edges(order).tolist()
+
+
+@pytest.mark.parametrize("share", [0.0, 0.3])
+def test_components_are_those_of_a_graph(share):
+    random = np.random.default_rng(0)
+    for mesh in MESHES.values():
+        points, faces = merging.merge_exactly(*mesh)
+        faces = np.where(random.random((len(faces), 1)) < share, faces[:, ::-1], faces)
+        glued = closing.glue(faces, len(points))
+        if not closing.is_closed(glued):
+            continue
+        component, turned, conflict = gluing.label_components(glued.faces, glued.opposite)
+        graph = nx.Graph(zip(np.arange(3 * len(faces)) // 3, glued.opposite // 3))
+        parts = sorted(nx.connected_components(graph), key=min)
+        assert [set(np.flatnonzero(component == k)) for k in range(len(parts))] == parts
+        tails, turns = glued.faces.ravel(), np.repeat(turned, 3)
+        assert conflict < 0 and not turned[[min(part) for part in parts]].any()
+        assert np.array_equal(tails == tails[glued.opposite], turns != turns[glued.opposite])
+
+
+@pytest.mark.parametrize("stray", [2**32 + 1, -(2**32), 12])
+def test_ids_of_no_vertex_are_told_however_large(stray):
+    points, faces = ball(subdivisions=0)
+    faces = faces.astype(np.int64)
+    faces[3, 1] = stray
+    reason = inspect_surface(points, faces)[1]["reason"]
+    assert reason.startswith(f"1 face corners name a vertex that does not exist, the first is vertex {stray} of 12 in")
 
 
 def test_repairs_are_the_documented_ones():
@@ -451,12 +492,12 @@ def test_equal_corners_get_one_place_in_lexicographic_order():
 def test_orders_of_faces_and_half_edges_are_those_of_slow_sorts():
     random = np.random.default_rng(0)
     faces = np.array([random.permutation(12)[:3] for _ in range(300)])
-    corners = gluing.order_corners(faces, 12)
+    corners = face_orders.order_corners(faces, 12)
     turned = faces.ravel()[corners].tolist()
     first = [int(np.argmin(face)) for face in faces]
     keys = [(sorted(face), list(np.roll(face, -k)) != sorted(face), i) for i, (face, k) in enumerate(zip(faces, first))]
     assert turned == [np.roll(faces[i], -first[i]).tolist() for *_, i in sorted(keys)]
-    assert gluing.order_rows(faces, 12).tolist() == sorted(range(300), key=lambda i: faces[i].tolist())
+    assert face_orders.order_rows(faces, 12).tolist() == sorted(range(300), key=lambda i: faces[i].tolist())
     order, starts = gluing.group_half_edges(faces, 12)
     ends = [tuple(sorted((faces[h // 3, h % 3], faces[h // 3, (h % 3 + 1) % 3]))) for h in range(900)]
     assert order.tolist() == sorted(range(900), key=lambda h: ends[h])

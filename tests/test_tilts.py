@@ -21,10 +21,12 @@ from reebslice.heightmesh import order_by_height, tilt_points
 from reebslice.levels import pierce
 from reebslice.reeb import critical_persistence, surface_reeb_graph
 from reebslice.scanning import find_critical_points, heights_along
+from reebslice.surveying import gather_neighbours, survey_surface
 from reebslice.tilts import (
     ANGLE_COST,
     assess_directions,
     candidate_directions,
+    height_rounding,
     rotation_to_vertical,
     select_tilt,
     sos_ranks,
@@ -49,11 +51,26 @@ DIRECTIONS = st.one_of(
 )
 
 
+def survey(points, faces, directions):
+    """The surface, surveyed for the directions."""
+    directions = np.array(directions)
+    return survey_surface(
+        points, np.ascontiguousarray(faces, np.int32), directions, height_rounding(points, directions).max()
+    )
+
+
 def measured(solid, direction):
-    """Faces, SoS ranks and heights of a solid along a direction, and its critical points."""
-    faces = np.ascontiguousarray(solid.faces, np.int32)
-    key = sos_ranks(solid.points, direction)
-    return faces, key, heights_along(solid.points, [direction])[0], find_critical_points(faces, key)
+    """The surface, SoS ranks and heights of a solid along a direction, and its critical points."""
+    surface, key = survey(solid.points, solid.faces, [direction]), sos_ranks(solid.points, direction)
+    return surface, key, heights_along(solid.points, direction), find_critical_points(surface, key)
+
+
+def slow_indices(faces, key):
+    """Of each critical vertex the PL index, by its lower and its higher neighbours: {vertex: index}."""
+    middle = dict.fromkeys(range(len(key)), 0)
+    for face in faces.tolist():
+        middle[sorted(face, key=key.__getitem__)[1]] += 1
+    return {v: 1 - count // 2 for v, count in middle.items() if count != 2}
 
 
 def slow_fewest_levels(graph, significant):
@@ -76,9 +93,57 @@ def slow_fewest_levels(graph, significant):
 @given(SOLIDS, DIRECTIONS)
 def test_heights_are_those_of_the_tilted_frame(solid, direction):
     rotation = rotation_to_vertical(direction)
-    assert heights_along(solid.points, [direction, direction])[1].tobytes() == (
+    assert heights_along(solid.points, direction).tobytes() == (
         np.ascontiguousarray(tilt_points(solid.points, rotation)[:, 2]).tobytes()
     )
+
+
+@cases(30)
+@given(SOLIDS)
+def test_gathered_vertices_are_the_same_surface(solid):
+    points, faces = gather_neighbours(solid.points, solid.faces)
+    seen = [
+        sorted(min(tuple(map(tuple, np.roll(face, turn, axis=0))) for turn in range(3)) for face in corners.tolist())
+        for corners in (points[faces], solid.points[solid.faces])
+    ]
+    assert seen[0] == seen[1]
+
+
+def test_gathered_vertices_keep_the_order_of_those_that_coincide():
+    blob = solids.blob(2, 1, 0.3)
+    twice = np.concatenate([blob.points, blob.points])
+    points, faces = gather_neighbours(twice, np.concatenate([blob.faces, blob.faces[:, ::-1] + len(blob.points)]))
+    height = heights_along(points, [0.0, 0.0, 1.0])
+    outward = np.zeros(len(points), bool)  # faces of the first copy, which keep their winding
+    normals = np.cross(points[faces[:, 1]] - points[faces[:, 0]], points[faces[:, 2]] - points[faces[:, 0]])
+    outward[faces[(normals * points[faces].mean(axis=1)).sum(axis=1) > 0]] = True
+    order = np.lexsort(points.T)
+    assert len(np.unique(height)) == len(blob.points) and outward[order].tolist() == [True, False] * len(blob.points)
+
+
+@cases(40)
+@given(SOLIDS, st.sampled_from([0.0, 5.0, 15.0, 50.0, 120.0]), solids.SEEDS)
+def test_what_is_sure_holds_along_all_directions(solid, cone, seed):
+    directions = candidate_directions(6, cone, seed) @ solids.rotation(seed)
+    surface = survey(solid.points, solid.faces, directions)
+    sides = np.vstack([solid.faces[:, [k, k - 1]] for k in range(3)])
+    for direction in directions:
+        height = heights_along(solid.points, direction)
+        for end, way in ((surface.doubtful[surface.downhill], 1), (surface.doubtful[surface.uphill], -1)):
+            assert ((way * height[end] < way * height) | (end == np.arange(len(end)))).all()
+        margin = np.abs(height[sides[:, 0]] - height[sides[:, 1]]).min()
+        assert find_critical_points(surface, height).margin == margin
+        ranks = sos_ranks(solid.points, direction)
+        found = find_critical_points(surface, ranks)
+        assert dict(zip(found.vertices.tolist(), found.index.tolist())) == slow_indices(solid.faces, ranks)
+        assert found.vertices.tolist() == surface.doubtful[found.spots].tolist()
+        assert (np.diff(ranks[found.vertices]) > 0).all()
+
+
+def test_of_a_smooth_surface_little_is_doubtful_in_a_narrow_cone():
+    ball = solids.icosphere(4)
+    surface = survey(ball.points, ball.faces, candidate_directions(9, 5.0, seed=1))
+    assert len(surface.doubtful) < 0.05 * len(ball.points) and len(surface.level) < 0.3 * 1.5 * len(ball.faces)
 
 
 @cases(35)
@@ -88,11 +153,10 @@ def test_fewest_levels_are_the_best_of_all_ways_to_cut(solid, direction, seed):
     graph, _ = reference.sweep(points.tolist(), solid.faces)
     random = np.random.default_rng(seed)
     chosen = {v for v in graph if random.random() < 0.7}
-    significant = np.zeros(len(points), bool)
-    significant[list(chosen)] = True
-    faces, key, _, found = measured(solid, direction)
+    surface, key, _, found = measured(solid, direction)
+    significant = np.isin(found.vertices, list(chosen))
     assert found.vertices.tolist() == sorted(graph, key=lambda v: graph.nodes[v]["rank"])
-    assert fewest_levels(faces, key, found, significant) == slow_fewest_levels(graph, chosen)
+    assert fewest_levels(surface, key, found, significant) == slow_fewest_levels(graph, chosen)
 
 
 @cases(60)
@@ -100,37 +164,38 @@ def test_fewest_levels_are_the_best_of_all_ways_to_cut(solid, direction, seed):
 def test_levels_for_all_critical_points_pierce_all_arcs(solid, direction):
     mesh = unfold_saddles(order_by_height(solid.points, solid.faces, rotation_to_vertical(direction)))
     graph, key = surface_reeb_graph(mesh), np.arange(len(mesh.points), dtype=float)
-    found = find_critical_points(mesh.faces, key)
+    surface = survey(mesh.points, mesh.faces, [(0.0, 0.0, 1.0)])
+    found = find_critical_points(surface, key)
     assert found.vertices.tolist() == graph.nodes.tolist()
     arcs = list(map(tuple, graph.nodes[graph.arcs].tolist()))
-    assert fewest_levels(mesh.faces, key, found, found.index != 0) == len(pierce(arcs))
+    assert fewest_levels(surface, key, found, found.index != 0) == len(pierce(arcs))
 
 
 @cases(60)
 @given(SOLIDS, DIRECTIONS, st.sampled_from([0.0, 0.02, 0.1, 0.3]))
 def test_significant_points_are_those_of_the_unfolded_surface(solid, direction, share):
-    faces, key, height, found = measured(solid, direction)
+    surface, key, height, found = measured(solid, direction)
     size = share * np.ptp(height)
-    significant, count = find_significant(faces, key, height, found, size)
+    significant, count = find_significant(surface, key, height, found, size)
     mesh = unfold_saddles(order_by_height(solid.points, solid.faces, rotation_to_vertical(direction)))
     graph, expected = surface_reeb_graph(mesh), np.zeros(len(mesh.points), bool)
     saddle = vertex_indices(mesh)[graph.nodes] < 0
     loop = saddle & saddle[graph.partner]
     expected[graph.nodes] = loop | (critical_persistence(mesh, graph)[graph.nodes] >= size)
     assert count == expected.sum()
-    assert set(np.flatnonzero(significant)) == set(mesh.vertex[expected])
+    assert set(found.vertices[significant]) == set(mesh.vertex[expected])
 
 
 @cases(30)
 @given(SOLIDS, DIRECTIONS)
 def test_heights_serve_as_ranks_where_nothing_ties(solid, direction):
     (record,) = assess_directions(solid.points, solid.faces, [direction])
-    faces, key, height, found = measured(solid, direction)
-    significant, count = find_significant(faces, key, height, found, tilts.SIGNIFICANT_SHARE * np.ptp(height))
+    surface, key, height, found = measured(solid, direction)
+    significant, count = find_significant(surface, key, height, found, tilts.SIGNIFICANT_SHARE * np.ptp(height))
     assert record["persistent"] == count
-    assert record["fewest_levels"] == fewest_levels(faces, key, found, significant)
-    assert record["fewest_levels_exact"] == fewest_levels(faces, key, found, found.index != 0)
-    euler = len(solid.points) - len(faces) // 2
+    assert record["fewest_levels"] == fewest_levels(surface, key, found, significant)
+    assert record["fewest_levels_exact"] == fewest_levels(surface, key, found, found.index != 0)
+    euler = len(solid.points) - len(solid.faces) // 2
     assert euler == record["critical"]["minima"] - record["critical"]["saddles"] + record["critical"]["maxima"]
 
 
@@ -166,7 +231,7 @@ def test_a_proven_margin_holds_in_exact_arithmetic(solid):
     record = select_tilt(solid.points, solid.faces, "auto", candidates=8)
     direction = [Fraction(x) for x in record["direction"]]
     exact = [sum(Fraction(a) * b for a, b in zip(point, direction)) for point in solid.points.tolist()]
-    floats = heights_along(solid.points, [record["direction"]])[0].tolist()
+    floats = heights_along(solid.points, record["direction"]).tolist()
     assert max(abs(Fraction(f) - e) for f, e in zip(floats, exact)) <= Fraction(record["rounding"]) / 2
     sides = {tuple(sorted((face[k], face[k - 1]))) for face in solid.faces.tolist() for k in range(3)}
     assert record["margin"] == min(abs(floats[a] - floats[b]) for a, b in sides)
@@ -178,9 +243,9 @@ def test_where_heights_tie_ranks_are_asked_for():
     blob = solids.blob(1, 1, 0.3)
     twins = solids.unite(blob, solids.move(blob, [4, 0, 0]))
     for solid, tie in ((blob, False), (twins, True), (solids.cube(1), True)):
-        faces, key, height, found = measured(solid, (0.0, 0.0, 1.0))
+        surface, _, height, found = measured(solid, (0.0, 0.0, 1.0))
         assert len(found.vertices) > 0
-        assert (len(find_critical_points(faces, height).vertices) == 0) == tie
+        assert (len(find_critical_points(surface, height).vertices) == 0) == tie
 
 
 def test_more_candidates_contain_the_fewer_and_never_cost_more():

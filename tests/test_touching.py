@@ -349,7 +349,7 @@ def test_faces_without_area_have_no_direction():
 
 def test_a_two_sided_sheet_alone_encloses_nothing():
     glued = closing.glue(np.array([[0, 1, 2], [0, 2, 1], [0, 2, 3], [0, 3, 2]]), 4)
-    assert len(closing.drop_flaps(glued, 4)) == 0
+    assert len(closing.drop_flaps(glued.faces, 4)) == 0
     points = np.array([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]], float)
     assert inspected(soup(Solid(points, glued.faces)))["status"] == "rejected"
 

@@ -20,7 +20,7 @@ SUFFIXES = (".stl", ".obj", ".ply", ".off", ".glb", ".gltf", ".3mf", ".step", ".
 
 
 def read_mesh(path):
-    """Return the points (n, 3) float64 and the triangles (m, 3) int64 of a file.
+    """Return the points (n, 3) float64 and the triangles (m, 3) int32 of a file.
 
     Points are as the file has them: neither merged nor scaled. The parts of a
     scene are put in place and joined; polygons are cut into triangles. There is
@@ -51,10 +51,10 @@ def read_mesh(path):
             f"The file is damaged or not really {path.suffix.lower()} ({told}); export the mesh again."
         ) from error
     points = np.asarray(points, np.float64).reshape(-1, 3)
-    faces = np.asarray(faces, np.int64).reshape(-1, 3)
+    faces = np.asarray(faces).reshape(-1, 3)
     if fault := find_fault(points, faces):
         raise UnreadableMesh(fault)
-    return points, faces
+    return points, faces.astype(np.int32, copy=False)
 
 
 # --------------------------------------------------------------------------
@@ -63,23 +63,25 @@ def read_mesh(path):
 
 def read_stl(path):
     """Read binary or ASCII STL; the file's size tells which, not its first word."""
-    data = path.read_bytes()
-    count = int.from_bytes(data[80:84], "little") if len(data) >= 84 else -1
+    size = path.stat().st_size
+    with open(path, "rb") as file:
+        data = file.read(2048)
+    count = int.from_bytes(data[80:84], "little") if size >= 84 else -1
     needed = 84 + 50 * count
-    head = data[:2048].lstrip().lower()
+    head = data.lstrip().lower()
     textual = b"facet" in head and b"\0" not in head
-    if len(data) != needed and textual:
-        return parse_ascii_stl(data)
-    if count < 0 or (count == 0 and len(data) == 84):
+    if size != needed and textual:
+        return parse_ascii_stl(path.read_bytes())
+    if count < 0 or (count == 0 and size == 84):
         raise UnreadableMesh("The STL file holds no faces, only a header; export the mesh again.")
-    if len(data) < needed or count == 0:
+    if size < needed or count == 0:
         raise UnreadableMesh(
             f"The binary STL file declares {count} faces, which take {needed} bytes, but has"
-            f" {len(data)} bytes; it is damaged, export the mesh again."
+            f" {size} bytes; it is damaged, export the mesh again."
         )
     record = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("attribute", "<u2")])
-    corners = np.frombuffer(data, record, count, 84)["corners"]
-    return corners.astype(np.float64), np.arange(3 * count)
+    corners = np.memmap(path, record, "r", 84, (count,))["corners"]  # the bytes themselves are never held
+    return np.asarray(corners).astype(np.float64), np.arange(3 * count, dtype=np.int32)
 
 
 def parse_ascii_stl(data):
@@ -105,7 +107,7 @@ def parse_ascii_stl(data):
             f"The ASCII STL file has a vertex that is not three numbers: '{shown}' (vertex"
             f" {at % 3} of facet {at // 3}); mend that line or export the mesh again."
         )
-    return values, np.arange(len(rows))
+    return values, np.arange(len(rows), dtype=np.int32)
 
 
 def _is_point(row):

@@ -49,7 +49,7 @@ def clean_surface(points, faces, options, record):
     _note_sides(points, faces, component, sides, options, record)
     if found.apart:
         _check_apart(points, faces, sides["flip"])
-    faces, origin = gluing.split_pinches(faces, opposite, component)
+    faces, origin = gluing.split_pinches(faces, opposite, component, len(points))
     _note_pinches(points, origin, found, options, record)
     points, flip = points[origin], sides["flip"]
     if found.apart or found.own_numbering:  # else two vertices have one mesh edge at most
@@ -68,8 +68,7 @@ class Walk(NamedTuple):
 
 
 def _walk(glued):
-    opposite = gluing.pair_half_edges(glued.order, glued.starts)
-    return Walk(opposite, *gluing.label_components(glued.faces, opposite))
+    return Walk(glued.opposite, *gluing.label_components(glued.faces, glued.opposite))
 
 
 def _note_closing(points, found, record):
@@ -79,7 +78,7 @@ def _note_closing(points, found, record):
         closed=len(found.glued.faces) > 0 and not len(closing.find_open(found.glued)),
         manifold=not len(closing.find_crowded(found.glued)),
         tolerance=found.tolerance,
-        bounds=[points.min(axis=0).tolist(), points.max(axis=0).tolist()],
+        bounds=[[float(end(axis)) for axis in points.T] for end in (np.min, np.max)],
         degenerate_faces_removed=found.degenerate + found.collapsed,
         duplicate_faces_removed=found.duplicates + 2 * found.flaps,
         collinear_faces=measures.count_collinear(points, found.glued.faces),

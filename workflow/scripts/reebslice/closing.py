@@ -5,16 +5,17 @@ from typing import NamedTuple
 import numpy as np
 from numba import njit
 
-from . import gluing, touching
+from . import face_orders, gluing, touching
 from .faults import tell_place
 
 
 class Gluing(NamedTuple):
-    """Faces in canonical order (see `gluing.order_corners`) and their mesh edges."""
+    """Faces in canonical order (see `face_orders.order_corners`), and their mesh edges in the first way that does."""
 
-    faces: np.ndarray  # (m, 3)
-    order: np.ndarray  # (3m,) half-edges, by mesh edge
-    starts: np.ndarray  # (e + 1,) where each mesh edge begins in `order`
+    faces: np.ndarray  # (m, 3) int32
+    opposite: np.ndarray | None  # (3m,) int32 the other half-edge of each mesh edge, if all have two
+    order: np.ndarray | None = None  # (3m,) half-edges, by mesh edge
+    starts: np.ndarray | None = None  # (e + 1,) where each mesh edge begins in `order`
 
 
 class Closing(NamedTuple):
@@ -75,17 +76,17 @@ def untie(points, found, slack):
         return found._replace(glued=single, duplicates=found.duplicates + len(faces) - len(kept))
     if np.any(np.diff(found.glued.starts) % 2):
         return found
-    kept = drop_flaps(found.glued, n)
+    kept = drop_flaps(faces, n)
     found = found._replace(glued=glue(kept, n), flaps=(len(faces) - len(kept)) // 2)
     if not len(kept) or is_closed(found.glued):
         return found
     try:
-        order, loose = touching.pair_around(points, *found.glued, slack)
+        glued = found.glued
+        order, loose = touching.pair_around(points, glued.faces, glued.order, glued.starts, slack)
     except touching.Entangled as fault:
         return found._replace(entangled=_tell_entangled(points, found.glued, fault))
-    apart = len(find_crowded(found.glued))
-    starts = np.arange(0, len(order) + 1, 2)
-    return found._replace(glued=Gluing(found.glued.faces, order, starts), apart=apart, loose=loose)
+    apart = len(find_crowded(glued))
+    return found._replace(glued=Gluing(glued.faces, gluing.pair_half_edges(order)), apart=apart, loose=loose)
 
 
 def _tell_entangled(points, glued, fault):
@@ -171,7 +172,7 @@ def loses_part(merged, kept):
 
 def find_distinct(faces):
     """Return (m,) bool: the faces with three different corners."""
-    return _find_distinct(np.ascontiguousarray(faces, np.int64))
+    return _find_distinct(np.ascontiguousarray(faces, np.int32))
 
 
 @njit(cache=True)
@@ -194,21 +195,21 @@ def drop_duplicates(faces):
     return faces[first]
 
 
-def drop_flaps(glued, n_vertices):
+def drop_flaps(faces, n_vertices):
     """Return the faces without flaps: pairs of coinciding faces that are glued to each other.
 
     Such a pair, which has a mesh edge to itself, encloses nothing. Where it
-    goes, its neighbour may become a flap.
+    goes, its neighbour may become a flap. faces : in canonical order.
     """
     while True:
-        faces = glued.faces
+        order, starts = gluing.group_half_edges(faces, n_vertices)
         pair = np.flatnonzero(np.all(np.sort(faces[1:], axis=1) == np.sort(faces[:-1], axis=1), axis=1))
-        width = np.empty(len(glued.order), np.int64)
-        width[glued.order] = np.repeat(np.diff(glued.starts), np.diff(glued.starts))
+        width = np.empty(len(order), np.int64)
+        width[order] = np.repeat(np.diff(starts), np.diff(starts))
         pair = pair[(width.reshape(-1, 3)[pair] == 2).any(axis=1)]
         if not len(pair):
             return faces
-        glued = glue(np.delete(faces, np.concatenate([pair, pair + 1]), axis=0), n_vertices)
+        faces = np.delete(faces, np.concatenate([pair, pair + 1]), axis=0)
 
 
 def glue(faces, n_vertices, numbering=None):
@@ -216,32 +217,35 @@ def glue(faces, n_vertices, numbering=None):
 
     With `numbering` (m, 3), mesh edges are told apart by those numbers.
     """
-    corners = gluing.order_corners(faces, n_vertices)
+    corners = face_orders.order_corners(faces, n_vertices)
     faces = faces.ravel()[corners]
     numbers = faces if numbering is None else numbering.ravel()[corners]
-    return Gluing(faces, *gluing.group_half_edges(numbers, numbers.max(initial=0) + 1))
+    bound = numbers.max(initial=0) + 1
+    opposite = gluing.match_half_edges(numbers, bound) if len(faces) else None
+    ways = [None, *gluing.group_half_edges(numbers, bound)] if opposite is None else [opposite]
+    return Gluing(faces, *ways)
 
 
 def keep_faces(glued, kept):
     """Return the gluing of the faces `kept` (m,) bool, which are whole components of a closed surface."""
-    half_edges = glued.order[kept[glued.order // 3]]
-    order = 3 * (np.cumsum(kept) - 1)[half_edges // 3] + half_edges % 3
-    return Gluing(glued.faces[kept], order, np.arange(0, len(order) + 1, 2))
+    opposite = glued.opposite.reshape(-1, 3)[kept].ravel()
+    number = (np.cumsum(kept) - 1).astype(np.int32)
+    return Gluing(glued.faces[kept], 3 * number[opposite // 3] + opposite % 3)
 
 
 def is_closed(glued):
     """Tell whether there are mesh edges, and each has exactly two faces."""
-    return len(glued.faces) > 0 and bool(np.all(np.diff(glued.starts) == 2))
+    return glued.opposite is not None
 
 
 def find_open(glued):
     """Return the mesh edges that have one face."""
-    return np.flatnonzero(np.diff(glued.starts) == 1)
+    return np.flatnonzero([] if is_closed(glued) else np.diff(glued.starts) == 1)
 
 
 def find_crowded(glued):
     """Return the mesh edges that have more than two faces."""
-    return np.flatnonzero(np.diff(glued.starts) > 2)
+    return np.flatnonzero([] if is_closed(glued) else np.diff(glued.starts) > 2)
 
 
 def list_ends(glued, edges):

@@ -3,8 +3,6 @@
 import numpy as np
 from numba import njit
 
-from .pairing import find, join
-
 
 @njit(cache=True)
 def connected_items(low, high, n):
@@ -17,3 +15,22 @@ def connected_items(low, high, n):
         name[item] = count if lowest == item else name[lowest]
         count += lowest == item
     return name
+
+
+@njit(cache=True, inline="always")
+def find(root, i):
+    """The representative of i in a union-find forest, with path halving."""
+    while root[i] != i:
+        root[i] = root[root[i]]
+        i = root[i]
+    return i
+
+
+@njit(cache=True, inline="always")
+def join(root, i, j):
+    """Unite the sets of i and j; the smaller representative remains."""
+    i, j = find(root, i), find(root, j)
+    if i < j:
+        root[j] = i
+    elif j < i:
+        root[i] = j

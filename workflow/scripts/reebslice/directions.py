@@ -7,177 +7,235 @@ or uphill, so that most of it is not looked at again.
 
 `key` (n,) float64 is what decides which of two vertices is the higher: their
 heights, or their ranks where heights tie; `found` are the
-:class:`scanning.CriticalPoints` of `key`.
+:class:`scanning.CriticalPoints` of `key` on the :class:`surveying.Surface`.
 """
+
+from typing import NamedTuple
 
 import numpy as np
 from numba import njit
 
-from .pairing import find
-from .scanning import head_of, turn_around
+from .components import find
+from .surveying import ahead, behind, head_of, turn_around
 
 
-def pair_elders(faces, key, found):
+class Trails(NamedTuple):
+    """Room for what walks leave behind, held from one direction to the next: memory not yet touched is slow.
+
+    down, up : (d,) int32, see `_merge`
+    place : (n,) int32, 1 + the place of a critical vertex among them, else 0
+    contour : (m + 1,) int32, the number of the last contour that was walked in each face, and of any
+    """
+
+    down: np.ndarray
+    up: np.ndarray
+    place: np.ndarray
+    contour: np.ndarray
+
+
+def blank_trails(surface):
+    """The :class:`Trails` before the first walk on `surface`."""
+    roots, faces = np.zeros((2, len(surface.doubtful)), np.int32), len(surface.corners) // 3
+    return Trails(*roots, np.zeros(len(surface.falling), np.int32), np.zeros(faces + 1, np.int32))
+
+
+def pair_elders(surface, key, found, trails=None):
     """Extremum and saddle that cancel by the elder rule, (p, 2) int32; shells' ends (s, 2) int32.
 
     The persistence of the whole surface, as :func:`reeb.surface_reeb_graph` has
     it, each k-fold saddle counted as k simple ones. The lowest and the highest
     vertex of a shell remain, and as many saddles as the surface has loops, twice.
+    All are told by their places in found.vertices.
     """
-    roots = np.zeros((2, len(key)), np.int32)  # here, because numpy takes zeros that are never touched for nothing
-    return _pair_elders(faces, *found.rings, key, found.vertices, found.lowest, found.start, found.around, *roots)
+    trails = trails or blank_trails(surface)
+    trails.down[:] = trails.up[:] = 0
+    ground = surface.doubtful, surface.start, surface.ring
+    ways = surface.downhill, surface.uphill, trails.down, trails.up
+    return _pair_elders(surface.corners, *ground, *ways, key, *found[1:3], *found[4:], trails.place)
 
 
-def find_significant(faces, key, height, found, size):
-    """Which critical points have at least persistence `size`: ((n,) bool, their number).
+def find_significant(surface, key, height, found, size, trails=None):
+    """Which critical points have at least persistence `size`: ((c,) bool, their number).
 
     Pairs count by the difference of `height` (n,), a shell's ends by its
     height, and the saddles of loops always. In the number a k-fold saddle
     counts as often as it has such persistence.
     """
-    pairs, ends = pair_elders(faces, key, found)
-    loops, significant = np.zeros(len(key), np.int32), np.zeros(len(key), bool)
-    loops[found.vertices] = np.maximum(-found.index[found.vertices], 0)
+    pairs, ends = pair_elders(surface, key, found, trails)
+    loops, height = np.maximum(-found.index, 0), height[found.vertices]
     np.subtract.at(loops, pairs[:, 1], 1)
     both = np.concatenate([pairs, ends])
     both = both[np.abs(height[both[:, 0]] - height[both[:, 1]]) >= size]
-    significant[found.vertices] = loops[found.vertices] > 0
+    significant = loops > 0
     significant[both] = True
-    return significant, both.size + int(loops[found.vertices].sum())
+    return significant, both.size + int(loops.sum())
 
 
-def fewest_levels(faces, key, found, significant, most=np.iinfo(np.int64).max):
+def fewest_levels(surface, key, found, significant, most=np.iinfo(np.int64).max, trails=None):
     """The least number of levels after which no piece has two significant critical points.
 
     With all critical points significant these are the levels that pierce
     every arc of the surface's Reeb graph. Upwards, each level is put as late
     as it can be, which is optimal as a piece's part has no more than the piece.
-    significant : (n,) bool; counting stops at `most`.
+    significant : (c,) bool; counting stops at `most`.
     """
-    walked = np.zeros(len(faces), np.int32)  # here, because numpy takes zeros that are never touched for nothing
-    wedges = found.lowest, found.start, found.around
-    return _sweep(faces, *found.rings, key, found.index, found.vertices, *wedges, significant, most, walked)
+    trails = trails or blank_trails(surface)
+    if trails.contour[-1] > MOST_CONTOURS:
+        trails.contour[:] = 0
+    return _sweep(*surface[:3], key, *found[2:], significant, most, trails.place, trails.contour)
 
 
-@njit(cache=True)
-def _step(faces, leaving, twins, key, way, v):
-    """A half-edge from v to a lower neighbour, or with way -1 to a higher one; -1 at such an extremum."""
-    first = h = leaving[v]
-    while True:
-        if way * key[head_of(faces, h)] < way * key[v]:
-            return h
+MOST_CONTOURS = 1 << 30  # before their numbers leave int32
+
+
+@njit(cache=True, inline="always")
+def _step_down(corners, twins, falling, key, v):
+    """A half-edge from v to a lower neighbour; there is one."""
+    h = falling[v]
+    while key[head_of(corners, h)] >= key[v]:
         h = turn_around(twins, h)
-        if h == first:
-            return -1
+    return h
 
 
 @njit(cache=True)
-def _find_oldest(root, faces, leaving, twins, key, way, v):
-    """The extremum at the root of v, to which `root` leads by vertices' numbers plus 1; where it has 0, look it up."""
-    top = v
+def _find_oldest(root, doubtful, start, ring, hill, key, way, spot):
+    """The extremum at the root of a spot, to which `root` leads by spots plus 1; where it has 0, look it up."""
+    top = spot
     while root[top] != top + 1:
         if root[top] == 0:
-            h = _step(faces, leaving, twins, key, way, top)
-            root[top] = 1 + (head_of(faces, h) if h >= 0 else top)
+            root[top] = top + 1
+            for j in range(start[top], start[top + 1]):
+                if way * key[ring[j]] < way * key[doubtful[top]]:
+                    root[top] = hill[ring[j]] + 1
+                    break
         else:
             top = root[top] - 1
-    while root[v] != top + 1:
-        met, v = v, root[v] - 1
+    while root[spot] != top + 1:
+        met, spot = spot, root[spot] - 1
         root[met] = top + 1
     return top
 
 
 @njit(cache=True)
-def _pair_elders(faces, leaving, twins, key, vertices, lowest, start, around, down, up):
+def _pair_elders(
+    corners, doubtful, first, ring, downhill, uphill, down, up, key, spots, vertices, lowest, start, around, place
+):
     pairs, ends = np.empty((2 * len(vertices), 2), np.int32), np.empty((len(vertices), 2), np.int32)
-    n_pairs = _merge(faces, leaving, twins, key, vertices, start, around, down, 1, pairs, 0)
-    n_pairs = _merge(faces, leaving, twins, key, vertices, start, around, up, -1, pairs, n_pairs)
+    walk, saddles = (doubtful, first, ring), (vertices, start, around)
+    n_pairs = _merge(corners, down, walk, downhill, key, 1, saddles, pairs, 0)
+    n_pairs = _merge(corners, up, walk, uphill, key, -1, saddles, pairs, n_pairs)
     n_ends = 0
     for i in range(len(vertices)):
-        v = vertices[i]
-        if lowest[i] and (down[v] == 0 or down[v] == v + 1):
-            ends[n_ends, 0], ends[n_ends, 1] = v, _find_oldest(up, faces, leaving, twins, key, -1, v)
+        place[vertices[i]] = i
+        if lowest[i] and (down[spots[i]] == 0 or down[spots[i]] == spots[i] + 1):
+            ends[n_ends, 0] = i
+            ends[n_ends, 1] = _find_oldest(up, doubtful, first, ring, uphill, key, -1, uphill[vertices[i]])
             n_ends += 1
+    for i in range(n_pairs):
+        pairs[i, 0] = place[doubtful[pairs[i, 0]]]
+    for i in range(n_ends):
+        ends[i, 1] = place[doubtful[ends[i, 1]]]
+    place[vertices] = 0
     return pairs[:n_pairs].copy(), ends[:n_ends].copy()
 
 
 @njit(cache=True)
-def _merge(faces, leaving, twins, key, vertices, start, around, root, way, pairs, count):
+def _merge(corners, root, walk, hill, key, way, saddles, pairs, count):
     """Enter into `pairs`, after `count`, each extremum and the saddle at which its component meets an older one.
 
-    way : 1 upwards, -1 downwards. `root` holds a neighbour met before for every
-    vertex, plus 1, or 0; roots are extrema, and that of a component is always its oldest.
+    The extremum by its spot, its place in `doubtful`; the saddle by its place
+    among the critical vertices. way : 1 upwards, -1 downwards. `root` holds for every spot another
+    one met before, plus 1, or 0; roots are extrema, and that of a component is always its oldest.
     Returns the number of pairs.
     """
+    doubtful, first, ring = walk
+    vertices, start, around = saddles
     for step in range(len(vertices)):
         i = step if way == 1 else len(vertices) - 1 - step
-        saddle, oldest = vertices[i], -1
+        oldest = -1
         for j in range(start[i], start[i + 1]):
-            w = head_of(faces, around[j])
-            if way * key[w] > way * key[saddle]:
+            w = head_of(corners, around[j])
+            if way * key[w] > way * key[vertices[i]]:
                 continue
-            other = _find_oldest(root, faces, leaving, twins, key, way, w)
+            other = _find_oldest(root, doubtful, first, ring, hill, key, way, hill[w])
             if oldest < 0:
                 oldest = other
             elif other != oldest:
-                if way * key[other] < way * key[oldest]:
+                if way * key[doubtful[other]] < way * key[doubtful[oldest]]:
                     oldest, other = other, oldest
                 root[other] = oldest + 1
-                pairs[count, 0], pairs[count, 1] = other, saddle
+                pairs[count, 0], pairs[count, 1] = other, i
                 count += 1
     return count
 
 
 @njit(cache=True)
-def _sweep(faces, leaving, twins, key, index, vertices, lowest, start, around, significant, most, walked):
-    n, levels, cut, i = len(key), 0, -np.inf, 0
-    # Node v is a critical vertex met since the last level, node n + f the
-    # contour of that level which was first reached in face f.
-    # What is not met is not set either.
-    root = np.empty(n + len(faces), np.int32)
+def _sweep(corners, twins, falling, key, vertices, index, lowest, start, around, significant, most, place, contour):
+    c, levels, cut, i = len(vertices), 0, -np.inf, 0
+    # Node i is a critical vertex met since the last level, node c + k the contour number base + k of that level. In
+    # `contour` they are left by number; those up to `base` are of other levels. What is not met is not set either.
+    newest = base = contour[-1]
+    root = np.empty(2 * c + start[-1] + 1, np.int32)
     held = np.empty(len(root), np.int32)  # significant points in the piece, at its root
-    contour = np.empty(len(faces), np.int32)
-    while i < len(vertices) and levels < most:
+    for j in range(c):
+        place[vertices[j]] = j + 1
+    while i < c and levels < most:
         v = vertices[i]
-        root[v], held[v] = v, 1 if significant[v] else 0
+        root[i], held[i] = i, 1 if significant[i] else 0
         for j in range(start[i], start[i] + max(1, start[i + 1] - start[i])):
             if lowest[i]:
                 continue
-            h = _step(faces, leaving, twins, key, 1, v) if index[v] == 1 else around[j]
-            w = head_of(faces, h)
+            h = _step_down(corners, twins, falling, key, v) if index[i] == 1 else around[j]
+            w = head_of(corners, h)
             if key[w] >= key[v]:
                 continue
-            while key[w] >= cut and index[w] == 0:
-                h = _step(faces, leaving, twins, key, 1, w)
-                w = head_of(faces, h)
-            f = h // 3
+            while key[w] >= cut and place[w] == 0:
+                h = _step_down(corners, twins, falling, key, w)
+                w = head_of(corners, h)
+            a = place[w] - 1
             if key[w] < cut:
-                if walked[f] < levels:
-                    root[n + f], held[n + f] = n + f, 0
-                    _walk_contour(faces, twins, key, cut, f, levels, contour, walked)
-                w = n + contour[f]
-            a, b = find(root, w), find(root, v)
+                if contour[h // 3] <= base:
+                    newest += 1
+                    a = c + newest - base
+                    root[a], held[a] = a, 0
+                    met = _walk_contour(corners, twins, key, cut, h // 3, base, newest, contour)
+                    root[a] = c + met - base
+                a = c + contour[h // 3] - base
+            a, b = find(root, a), find(root, i)
             if a != b:
                 root[a] = b
                 held[b] += held[a]
-        if held[find(root, v)] > 1:  # a level right below v; what is there is met anew
-            levels += 1
-            cut = key[v]
+        if held[find(root, i)] > 1:  # a level right below v; what is there is met anew
+            levels, cut, base = levels + 1, key[v], newest
         else:
             i += 1
+    place[vertices] = 0
+    contour[-1] = newest
     return levels
 
 
 @njit(cache=True)
-def _walk_contour(faces, twins, key, cut, first, level, contour, walked):
-    """Enter in all faces along a contour at height `cut` that it was reached in face `first`."""
-    h = 3 * first
-    while not key[faces[first, h % 3]] < cut <= key[faces[first, (h % 3 + 1) % 3]]:
-        h += 1
-    f = first
+def _walk_contour(corners, twins, key, cut, face, base, number, contour):
+    """Enter the `number` of a contour at height `cut` in its faces, from `face` on, until it is known which one it is.
+
+    Returns the number under which it was met before on this level, or `number`.
+    Two walks set out, one either way: while one waits for memory, the other does.
+    """
+    contour[face] = number
+    if number == base + 1:  # the first of its level: this face will do to meet it again
+        return number
+    rising, sinking = np.int64(3 * face), np.int64(3 * face)  # the half-edges of a face that pass the height
+    while not key[corners[rising]] < cut <= key[head_of(corners, rising)]:
+        rising += 1
+    while not key[corners[sinking]] >= cut > key[head_of(corners, sinking)]:
+        sinking += 1
     while True:
-        contour[f], walked[f] = first, level
-        f, corner = twins[h] // 3, twins[h] % 3  # a half-edge that comes down; go on to the one that rises
-        if f == first:
-            return
-        h = 3 * f + ((corner + 1) % 3 if key[faces[f, (corner + 2) % 3]] >= cut else (corner + 2) % 3)
+        one, other = np.int64(twins[rising]), np.int64(twins[sinking])
+        if contour[one // 3] > base:
+            return contour[one // 3]
+        contour[one // 3] = number
+        if contour[other // 3] > base:
+            return contour[other // 3]
+        contour[other // 3] = number
+        rising = ahead(one) if key[corners[behind(one)]] >= cut else behind(one)
+        sinking = behind(other) if key[corners[behind(other)]] >= cut else ahead(other)

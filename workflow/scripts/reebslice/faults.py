@@ -11,8 +11,8 @@ def find_fault(points, faces):
     """Return what makes (n, 3) points and (m, 3) faces unusable as numbers, or None."""
     if not len(faces):
         return "The file holds no faces: it is empty or damaged; export the mesh again."
-    points, faces = np.ascontiguousarray(points, np.float64), np.ascontiguousarray(faces, np.int64)
-    fault, low, high = _survey(points, faces)
+    ids = faces if faces.dtype == np.int32 else np.clip(faces, -1, len(points)).astype(np.int32)
+    fault, low, high = _survey(np.ascontiguousarray(points, np.float64), np.ascontiguousarray(ids))
     if fault == STRAY:
         strays = np.argwhere((faces < 0) | (faces >= len(points)))
         face, corner = strays[0]

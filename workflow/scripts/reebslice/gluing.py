@@ -7,75 +7,8 @@ corner it starts from bears the same number.
 import numpy as np
 from numba import njit
 
-
-def order_corners(faces, n_vertices):
-    """Return (m, 3) corners that put faces and their corners in canonical order.
-
-    `faces.ravel()[corners]` are the same faces, each beginning at its smallest
-    id, in lexicographic order of the *unordered* triples: turning faces over
-    does not change their order, and faces with the same corners are neighbours;
-    of those, the ones that run 0, 1, 2 come before the ones that run 0, 2, 1.
-    """
-    first, low, middle, high, against = _sort_corners(np.ascontiguousarray(faces, np.int64))
-    rows = sort_stably((against, 2), (high, n_vertices), (middle, n_vertices), (low, n_vertices))
-    return _turn_corners(rows, first)
-
-
-@njit(cache=True)
-def _sort_corners(faces):
-    """Of each face the corner of its smallest id; its three ids, ascending; 1 if it runs 0, 2, 1, else 0."""
-    m = len(faces)
-    first, against = np.empty(m, np.int64), np.empty(m, np.int64)
-    low, middle, high = np.empty(m, np.int64), np.empty(m, np.int64), np.empty(m, np.int64)
-    for f in range(m):
-        k = 1 if faces[f, 1] < faces[f, 0] else 0
-        k = 2 if faces[f, 2] < faces[f, k] else k
-        second, third = faces[f, (k + 1) % 3], faces[f, (k + 2) % 3]
-        first[f], low[f], middle[f], high[f] = k, faces[f, k], min(second, third), max(second, third)
-        against[f] = second > third
-    return first, low, middle, high, against
-
-
-@njit(cache=True)
-def _turn_corners(rows, first):
-    """The corners (m, 3) of the faces `rows`, beginning at their corners `first`."""
-    corners = np.empty((len(rows), 3), np.int64)
-    for i in range(len(rows)):
-        for k in range(3):
-            corners[i, k] = 3 * rows[i] + (first[rows[i]] + k) % 3
-    return corners
-
-
-def order_rows(rows, n_vertices):
-    """Argsort, stable and lexicographic, of (m, 3) ids below n_vertices."""
-    a, b, c = np.ascontiguousarray(rows.T, np.int64)
-    return sort_stably((c, n_vertices), (b, n_vertices), (a, n_vertices))
-
-
-def sort_stably(*keys):
-    """Argsort by whole numbers, the most significant last as `np.lexsort` has it; linear in time.
-
-    keys : pairs of an array (m,) int64 and a bound that its numbers, none negative, stay below.
-    """
-    order = np.arange(len(keys[0][0]))
-    for numbers, bound in keys:
-        order = _sort_by(numbers, order, bound)
-    return order
-
-
-@njit(cache=True)
-def _sort_by(numbers, order, bound):
-    """Put `order` in order of numbers[order], by counting, equal ones left as they are."""
-    fill = np.zeros(bound + 1, np.int64)
-    for number in numbers:
-        fill[number + 1] += 1
-    for number in range(bound):
-        fill[number + 1] += fill[number]
-    out = np.empty_like(order)
-    for i in order:
-        out[fill[numbers[i]]] = i
-        fill[numbers[i]] += 1
-    return out
+from .components import find, join
+from .face_orders import sort_stably
 
 
 def group_half_edges(faces, n_vertices):
@@ -109,31 +42,84 @@ def _find_starts(low, high, order):
     return starts[: count + 1].copy()
 
 
-def pair_half_edges(order, starts):
-    """Return (3m,) the other half-edge of each half-edge's mesh edge.
-
-    Every mesh edge must have exactly two faces.
-    """
-    assert np.all(np.diff(starts) == 2)
-    opposite = np.empty(len(order), np.int64)
+def pair_half_edges(order):
+    """Return (3m,) int32 the other half-edge of each one, of half-edges (3m,) in pairs."""
+    opposite = np.empty(len(order), np.int32)
     opposite[order[0::2]] = order[1::2]
     opposite[order[1::2]] = order[0::2]
     return opposite
 
 
+def match_half_edges(faces, n_vertices):
+    """Return (3m,) int32 the other half-edge of each half-edge's mesh edge, or None if not all have two faces."""
+    opposite, complete = _match_half_edges(np.ascontiguousarray(faces, np.int32).ravel(), n_vertices)
+    return opposite if complete else None
+
+
+@njit(cache=True)
+def _match_half_edges(tails, n):
+    """The half-edges with one lower end are chained, and each looks for another one with its upper end."""
+    newest, older = np.full(n, -1, np.int32), np.empty(len(tails), np.int32)
+    for h in range(len(tails)):
+        low = min(tails[h], tails[_ahead(h)])
+        older[h], newest[low] = newest[low], h
+    opposite = np.empty(len(tails), np.int32)
+    met = np.full((n, 2), -1, np.int32)  # per upper end: the lower end last seen, the half-edge between, -1 if matched
+    for v in range(n):
+        h, single = newest[v], 0
+        while h >= 0:
+            upper = max(tails[h], tails[_ahead(h)])
+            g = met[upper, 1]
+            if met[upper, 0] != v:
+                met[upper, 0], met[upper, 1] = v, h
+                single += 1
+            elif g < 0:
+                return opposite, False
+            else:
+                opposite[g], opposite[h], met[upper, 1] = h, g, -1
+                single -= 1
+            h = older[h]
+        if single > 0:
+            return opposite, False
+    return opposite, True
+
+
+@njit(cache=True, inline="always")
+def _ahead(h):
+    """The next half-edge of the same face."""
+    return h + 1 - 3 * (h % 3 == 2)
+
+
 @njit(cache=True)
 def label_components(faces, opposite):
-    """Walk over the faces from neighbour to neighbour.
+    """Tell the components of a closed surface (m, 3) apart, and how they are wound.
 
-    Returns `component` (m,), numbered in order of the first face;
+    Returns `component` (m,) int32, numbered in order of the first face;
     `turned` (m,) bool, the faces wound against the first face of their
     component; and `conflict`, a half-edge at which no choice of turned faces
     agrees (the component is one-sided), or -1.
     """
+    root, tails = np.arange(len(faces)).astype(np.int32), faces.ravel()
+    for h in range(len(tails)):
+        if opposite[h] < h:
+            if tails[h] == tails[opposite[h]]:
+                return _walk_components(faces, opposite)
+            join(root, np.int32(h // 3), np.int32(opposite[h] // 3))
+    component, label = np.empty(len(faces), np.int32), 0
+    for f in range(len(faces)):
+        first = find(root, f)
+        component[f] = label if first == f else component[first]
+        label += first == f
+    return component, np.zeros(len(faces), np.bool_), -1
+
+
+@njit(cache=True)
+def _walk_components(faces, opposite):
+    """The same, walking over the faces from neighbour to neighbour, whichever way they are wound."""
     n_faces = len(faces)
-    component = np.full(n_faces, -1, np.int64)
+    component = np.full(n_faces, -1, np.int32)
     turned = np.zeros(n_faces, np.bool_)
-    stack = np.empty(n_faces, np.int64)
+    stack = np.empty(n_faces, np.int32)
     conflict = -1
     label = 0
     for seed in range(n_faces):
@@ -169,7 +155,7 @@ def label_corners(faces, opposite):
     cycle of the vertex's link.
     """
     n_corners = 3 * len(faces)
-    label = np.full(n_corners, -1)
+    label = np.full(n_corners, -1, np.int32)
     for first in range(n_corners):
         corner, ahead = first, True  # the fan goes on over the half-edge that begins here, or that ends here
         while label[corner] < 0:
@@ -181,22 +167,47 @@ def label_corners(faces, opposite):
     return label
 
 
-def split_pinches(faces, opposite, component):
-    """Give each cycle of a vertex's link a vertex of its own.
+def split_pinches(faces, opposite, component, n_vertices):
+    """Give each cycle of a vertex's link a vertex of its own, and none to a vertex without faces.
 
     Returns `faces` (m, 3) over the new vertices and `origin` (n,), the vertex
     that each of them was. Copies follow each other in the order of their
     component, then of their first corner: of components that coincide, it does
     not matter which of two coinciding faces comes first.
     """
+    if _has_single_fans(faces.ravel(), opposite, n_vertices):
+        return faces, np.arange(n_vertices)
     fans = label_corners(faces, opposite)
     firsts = np.flatnonzero(fans == np.arange(len(fans)))
     vertex = faces.ravel()
     keys = (component[firsts // 3], component.max(initial=-1) + 1), (vertex[firsts], vertex.max(initial=-1) + 1)
     firsts = firsts[sort_stably(*keys)]
-    number = np.empty(len(fans), np.int64)
+    number = np.empty(len(fans), np.int32)
     number[firsts] = np.arange(len(firsts))
     return number[fans].reshape(-1, 3), vertex[firsts]
+
+
+@njit(cache=True)
+def _has_single_fans(tails, opposite, n):
+    """Tell whether each of n vertices has one cycle of corners around it."""
+    degree, some = np.zeros(n, np.int32), np.empty(n, np.int32)
+    for corner in range(len(tails)):
+        degree[tails[corner]] += 1
+        some[tails[corner]] = corner
+    for v in range(n):
+        if degree[v] == 0:
+            return False
+        corner, ahead, left = np.int64(some[v]), True, degree[v]
+        while left > 0:  # see `label_corners`
+            other = np.int64(opposite[corner if ahead else corner - 1 + 3 * (corner % 3 == 0)])
+            ahead = tails[other] != v
+            corner = _ahead(other) if ahead else other
+            left -= 1
+            if corner == some[v]:
+                break
+        if left > 0:
+            return False
+    return True
 
 
 def split_double_edges(points, faces, opposite):
@@ -224,7 +235,7 @@ def split_double_edges(points, faces, opposite):
     faces = np.concatenate([np.delete(faces, cut, axis=0), *fans])
     points = np.concatenate([points, new])
     order = np.lexsort(points.T[::-1])
-    return points[order], np.argsort(order)[faces], old
+    return points[order], np.argsort(order).astype(np.int32)[faces], old
 
 
 def _fan_out(face, middles):

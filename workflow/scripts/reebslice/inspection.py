@@ -6,7 +6,7 @@ with a record of what was found and repaired, or the reason why there is none.
 
 import numpy as np
 
-from . import gluing, overlaps
+from . import face_orders, overlaps
 from .cleaning import REPAIRS, Unfit, clean_surface
 from .schemas import build_table
 
@@ -114,11 +114,12 @@ def _count_bodies(record):
 
 
 def _tabulate(points, faces, component, sides, record):
-    order = gluing.order_rows(faces, len(points))
+    order = face_orders.order_rows(faces, len(points))
     faces, component = faces[order], component[order]
     n_shells = len(sides["areas"])
-    shell_of_vertex = np.empty(len(points), np.int64)
-    shell_of_vertex[faces.ravel()] = np.repeat(component, 3)
+    shell_of_vertex = np.empty(len(points), np.int32)
+    for corner in faces.T:
+        shell_of_vertex[corner] = component
     n_faces = np.bincount(component, minlength=n_shells)
     n_vertices = np.bincount(shell_of_vertex, minlength=n_shells)
     euler = n_vertices - n_faces // 2  # three mesh edges for every two faces

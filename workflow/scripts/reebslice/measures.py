@@ -7,7 +7,9 @@ from numba import njit
 
 
 def wind(faces, turned):
-    """The faces (m, 3), those `turned` (m,) bool over, each from its first corner on."""
+    """The faces (m, 3), those `turned` (m,) bool over, each from its first corner on; the same array if none is."""
+    if not turned.any():
+        return faces
     wound = faces.copy()
     _turn_over(wound, turned)
     return wound
@@ -74,7 +76,7 @@ def count_collinear(points, faces):
 
     They carry no area, but without them the surface would be open.
     """
-    return _count_collinear(points, np.ascontiguousarray(faces, np.int64))
+    return _count_collinear(points, np.ascontiguousarray(faces, np.int32))
 
 
 @njit(cache=True)

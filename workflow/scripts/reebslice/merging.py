@@ -10,9 +10,9 @@ def merge_exactly(points, faces):
     """Merge corners at equal positions, and drop the points that no face uses.
 
     Returns positions (n, 3), in lexicographic order and without -0.0, and
-    faces (m, 3) over them.
+    faces (m, 3) int32 over them.
     """
-    points, faces = np.ascontiguousarray(points, np.float64), np.ascontiguousarray(faces, np.int64)
+    points, faces = np.ascontiguousarray(points, np.float64), np.ascontiguousarray(faces, np.int32)
     size = 64  # of the hash table, which holds fewer positions than faces unless the surface is in tatters
     while size < 2 * min(len(points), len(faces)):
         size *= 2
@@ -21,9 +21,9 @@ def merge_exactly(points, faces):
     count, bits, number = found
     positions = bits[:count].view(np.float64)
     order = height_order(positions[:, [1, 2, 0]])  # it compares the last column first
-    rank = np.empty(len(order), np.int64)
-    rank[order] = np.arange(len(order))
-    return positions[order], rank[number]
+    rank = np.empty(len(order), np.int32)
+    rank[order] = np.arange(len(order), dtype=np.int32)
+    return np.take(positions, order, axis=0), np.take(rank, number, out=number, mode="clip")
 
 
 @njit(cache=True)
@@ -34,11 +34,14 @@ def _find_positions(points, faces, size):
     many there are, at most half the `size` of the table: with so many it stops.
     """
     table, positions, count = np.full(size, np.int32(-1)), np.empty((size // 2, 3), np.uint64), 0
-    number, of_point = np.empty(faces.shape, np.int32), np.full(len(points), np.int32(-1))
+    shared = len(points) < faces.size  # else there is no point in keeping the number of each point
+    number, of_point = np.empty(faces.shape, np.int32), np.full(len(points) if shared else 0, np.int32(-1))
     for f in range(len(faces)):
         for k in range(3):
             v = faces[f, k]
-            if of_point[v] < 0:
+            if shared and of_point[v] >= 0:
+                number[f, k] = of_point[v]
+            else:
                 x, y, z = _unsigned(points[v, 0]), _unsigned(points[v, 1]), _unsigned(points[v, 2])
                 h = x * np.uint64(0x9E3779B97F4A7C15) ^ y * np.uint64(0xC2B2AE3D27D4EB4F)
                 h ^= z * np.uint64(0x165667B19E3779F9)
@@ -55,8 +58,9 @@ def _find_positions(points, faces, size):
                     count += 1
                     if count == len(positions):
                         return count, positions, number
-                of_point[v] = table[slot]
-            number[f, k] = of_point[v]
+                number[f, k] = table[slot]
+                if shared:
+                    of_point[v] = table[slot]
     return count, positions, number
 
 

@@ -9,6 +9,7 @@ whatever enters through a level is older than anything that begins in the slab.
 import numpy as np
 from numba import njit
 
+from .components import find, join
 from .slicing import vertex_slabs
 
 
@@ -126,22 +127,3 @@ def _first_members(root, faces, slab, offset, label, level, first):
             lowest[root[node]] = i
         out[i] = lowest[root[node]]
     return out
-
-
-@njit(cache=True, inline="always")
-def find(root, i):
-    """The representative of i in a union-find forest, with path halving."""
-    while root[i] != i:
-        root[i] = root[root[i]]
-        i = root[i]
-    return i
-
-
-@njit(cache=True, inline="always")
-def join(root, i, j):
-    """Unite the sets of i and j; the smaller representative remains."""
-    i, j = find(root, i), find(root, j)
-    if i < j:
-        root[j] = i
-    elif j < i:
-        root[i] = j

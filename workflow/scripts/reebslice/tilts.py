@@ -5,9 +5,10 @@ import math
 import numpy as np
 from numba import njit
 
-from .directions import fewest_levels, find_significant
+from .directions import blank_trails, fewest_levels, find_significant
 from .heightmesh import height_order, tilt_points
-from .scanning import find_critical_points, find_rings, scan_directions
+from .scanning import find_critical_points, heights_along
+from .surveying import gather_neighbours, survey_surface
 
 MODES = ("auto", "none", "direction")
 
@@ -98,25 +99,30 @@ def assess_directions(points, faces, directions):
     mean of the two, so that either matters in proportion, and a little for the
     angle to z.
     """
-    points, faces = np.ascontiguousarray(points, float), np.ascontiguousarray(faces, np.int32)
-    directions, rings = np.array(directions, float), find_rings(faces, len(points))
-    scans = scan_directions(points, faces, rings, directions)
-    rounding = height_rounding(points, directions).tolist()
-    return [_assess(points, faces, *case, *scan) for *case, scan in zip(directions, rounding, scans)]
+    points, faces = gather_neighbours(np.ascontiguousarray(points, float), np.ascontiguousarray(faces, np.int32))
+    directions = np.array(directions, float)
+    rounding = height_rounding(points, directions)
+    surface = survey_surface(points, faces, directions, rounding.max())
+    points = np.asfortranarray(points)
+    room = np.empty(len(points)), blank_trails(surface)
+    return [_assess(points, surface, *case, *room) for case in zip(directions, rounding.tolist())]
 
 
-def _assess(points, faces, direction, rounding, height, found):
-    key, margin = height, float(found.margin)
+def _assess(points, surface, direction, rounding, height, trails):
+    """height, trails : room for the heights (n,) and for what walks leave behind."""
+    key = heights_along(points, direction, height)
+    found = find_critical_points(surface, key)
+    margin = float(found.margin)
     if len(found.vertices) == 0:  # heights tie
         key = sos_ranks(points, direction)
-        found = find_critical_points(faces, key, found.rings)
-    ends = height[found.vertices[[0, -1]]]
-    significant, persistent = find_significant(faces, key, height, found, SIGNIFICANT_SHARE * float(ends[1] - ends[0]))
-    levels = fewest_levels(faces, key, found, significant, MOST_LEVELS)
-    every = found.index != 0
-    exact = levels if significant[found.vertices].all() else fewest_levels(faces, key, found, every, MOST_LEVELS)
+        found = find_critical_points(surface, key)
+    size = SIGNIFICANT_SHARE * float(height[found.vertices[-1]] - height[found.vertices[0]])
+    significant, persistent = find_significant(surface, key, height, found, size, trails)
+    levels = fewest_levels(surface, key, found, significant, MOST_LEVELS, trails)
+    every = np.ones(len(significant), bool)
+    exact = levels if significant.all() else fewest_levels(surface, key, found, every, MOST_LEVELS, trails)
     angle = float(np.degrees(np.arctan2(np.hypot(direction[0], direction[1]), direction[2])))
-    index, lowest = found.index[found.vertices], found.lowest
+    index, lowest = found.index, found.lowest
     return {
         "direction": direction.tolist(),
         "angle": angle,
