@@ -13,7 +13,7 @@ from reebslice.heightmesh import canonical_faces, find_twins, order_by_height
 from reebslice.levels import cut_surface, make_levels, nested_blocks, nested_contours, uniform_heights
 from reebslice.pairing import connected_vertices, pair_in_slabs
 from reebslice.slicing import measure_contours, share_out, trace_blocks, trace_contours, trace_crossings, vertex_slabs
-from storage import read_table, write_blocks
+from storage import read_blocks, read_table, write_blocks
 
 some = settings(max_examples=30, deadline=None, derandomize=True)
 cases = given(solids.any_solids(), st.integers(0, 3), st.integers(1, 12))
@@ -225,3 +225,5 @@ def test_contours_are_written_block_by_block(monkeypatch, tmp_path):
     assert len(blocks) > 3 and pa.concat_tables(blocks).equals(whole)
     write_blocks(tmp_path / "contours.parquet", "contours", blocks)
     assert read_table(tmp_path / "contours.parquet", "contours").equals(whole)
+    geometry = list(read_blocks(tmp_path / "contours.parquet", "contours", "geometry"))
+    assert len(geometry) == len(blocks) and pa.chunked_array(geometry).equals(whole["geometry"])

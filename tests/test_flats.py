@@ -15,8 +15,9 @@ from hypothesis import strategies as st
 import certify
 import pipeline
 import solids
-from reebslice.blocks import region_polygons
+from reebslice.blocks import contour_curves, region_outlines
 from reebslice.exact_contours import encloses, exact_tilt, turns_clockwise
+from reebslice.outlines import outline_polygons
 from storage import read_json, read_table
 from test_laws import cases, check_all
 
@@ -79,7 +80,8 @@ def check_geometry(folder, reach):
                 values = table[field.name].drop_null().to_numpy()
                 assert np.isfinite(values).all(), field.name
     rounding = 64 * np.finfo(float).eps * reach
-    polygons = region_polygons(tables["contours"])
+    contours = tables["contours"]
+    polygons = outline_polygons(region_outlines(contours, contour_curves(contours, contours["geometry"].chunks)))
     assert shapely.is_valid(polygons).all()
     nodes = {name: tables["nodes"][name].to_numpy() for name in ("x", "y", "z", "height", "inscribed_radius", "area")}
     tilted = np.column_stack([nodes[axis] for axis in "xyz"]) @ np.array(read_json(f"{folder}/tilt.json")["rotation"]).T

@@ -19,6 +19,7 @@ from reebslice.graphml import Graph
 from reebslice.lane_orders import count_crossings, order_lanes
 from reebslice.layouts import place_graph, trace_arc
 from reebslice.marks import MARKS
+from reebslice.normals import corner_normals, find_vertex_normals
 from reebslice.pictures import draw_model, list_ticks
 from reebslice.shading import rasterize_mesh, shade_layers, widest_azimuth
 from reebslice.views import fit_view, project_points, view_axes
@@ -56,6 +57,34 @@ def test_a_ball_is_nearest_in_the_middle_and_covers_a_disk():
     assert image.shape == (100, 100, 3) and image.dtype == np.uint8
     assert (image[0, 0] == 255).all() and (image[50, 50] < 255).all()
     assert (image.min(axis=2) < 255).mean() == pytest.approx(np.pi / 4, abs=0.02)
+
+
+def slow_corner_normals(points, faces, crease):
+    cross = np.cross(points[faces[:, 1]] - points[faces[:, 0]], points[faces[:, 2]] - points[faces[:, 0]])
+    area = np.linalg.norm(cross, axis=1)
+    normal = cross / np.maximum(area, 1e-300)[:, None]
+    corners = np.repeat(normal[:, None], 3, axis=1)
+    for f, face in enumerate(faces):
+        for i, v in enumerate(face):
+            around = np.flatnonzero((faces == v).any(axis=1))
+            alike = around[normal[around] @ normal[f] >= np.cos(np.radians(crease))]
+            if area[f] > 0 and len(around) <= 64:
+                mean = area[alike] @ normal[alike]
+                corners[f, i] = mean / np.linalg.norm(mean)
+    return corners
+
+
+@pytest.mark.parametrize("flat", [1.0, 0.3, 0.02])
+def test_normals_are_smooth_but_across_creases(flat):
+    random = np.random.default_rng(1)
+    crumpled = np.round(random.random((60, 3)) * 6), np.array([random.permutation(60)[:3] for _ in range(200)])
+    crumpled[1][:70, 0] = 0  # a fan of many faces
+    ball, box = solids.icosphere(2), solids.cube()
+    for points, faces in (crumpled, (ball.points, ball.faces), (box.points, box.faces)):
+        points, faces = points * [1, 1, flat], np.array(faces, np.int32)
+        around = find_vertex_normals(points, faces, 40.0)
+        found = [corner_normals(points, faces, f, 40.0, *around, np.empty((3, 3))) for f in range(len(faces))]
+        assert np.array(found) == pytest.approx(slow_corner_normals(points, faces, 40.0), abs=1e-6)
 
 
 def test_projection_puts_what_is_higher_higher():

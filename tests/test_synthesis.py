@@ -11,11 +11,11 @@ import solids
 from pipeline import run_stages
 from reebslice.circles import clearances, largest_circles
 from reebslice.components import connected_items
-from reebslice.curves import close_curves, curve_centres, pack_curves, unpack_curves
+from reebslice.curves import curve_centres, pack_curves, unpack_curves
 from reebslice.graphml import Graph, graphml_text
 from reebslice.graphs import trace_arcs
 from reebslice.nodes import inscribed_points, steady_points
-from reebslice.outlines import find_outlines, shared_areas
+from reebslice.outlines import find_outlines, mend_outlines, outline_areas, outline_polygons, shared_areas
 from reebslice.parts import Parts, linked_parts
 from reebslice.schemas import GRAPHS
 from reebslice.similarity import boolean_similarity, link_by_proximity, link_by_similarity
@@ -101,13 +101,30 @@ def test_shared_areas_are_those_of_overlays():
     teeth = [box(0, k, 9, 0.5) for k in range(200)]
     combs = np.array([shapely.union_all([*teeth, box(x, 0, 0.1, 200)]) for x in (0, 1)])
     assert np.isnan(shared_areas(find_outlines(combs), [0], [1])).all()
-    measured = boolean_similarity(combs, np.array([0]), np.array([1]))["area_intersection"]
+    measured = boolean_similarity(find_outlines(combs), np.array([0]), np.array([1]))["area_intersection"]
     assert measured == pytest.approx(shapely.area(shapely.intersection(*combs)))
+
+
+def test_outlines_are_those_of_polygons_and_become_valid_as_they_do():
+    hole, two = box(0, 0, 4, 4).difference(box(1, 1, 1)), shapely.MultiPolygon([box(0, 0, 1), box(3, 0, 2, 2)])
+    bow = shapely.Polygon([(0, 0), (2, 2), (2, 0), (0, 2)])
+    holes = [(1, 1), (5, 1), (5, 5), (1, 5)], [(3, 3), (8, 3), (8, 8)]
+    eight = shapely.Polygon([(0, 0), (9, 0), (9, 9), (0, 9)], holes)
+    shapes = np.array([shapely.Point(1.1, 0.3).buffer(0.7, 9), bow, hole, shapely.Polygon(), eight, two, box(0, 0, 1)])
+    outlines = find_outlines(shapes)
+    assert (shapely.to_wkb(outline_polygons(outlines)) == shapely.to_wkb(shapes)).all()
+    valid = np.flatnonzero(shapely.is_valid(shapes))
+    assert (outline_areas(outlines)[valid] == shapely.area(shapes)[valid]).all()
+    mended = mend_outlines(outlines)
+    wrong = np.flatnonzero(~shapely.is_valid(shapes))
+    shapes[wrong] = shapely.buffer(shapely.make_valid(shapes[wrong]), 0)
+    assert wrong.tolist() == [1, 4] and (shapely.to_wkb(outline_polygons(mended)) == shapely.to_wkb(shapes)).all()
+    assert (outline_areas(mended) == shapely.area(shapes)).all()
 
 
 def test_boolean_similarity_of_boxes():
     shapes = np.array([box(0, 0, 2), box(0, 0, 1), box(1, 0, 2), box(5, 0, 1)])
-    measured = boolean_similarity(shapes, np.array([0, 1]), np.array([2, 3]))
+    measured = boolean_similarity(find_outlines(shapes), np.array([0, 1]), np.array([2, 3]))
     assert measured["similarity"] == pytest.approx([1 / 3, 0])
     assert measured["area_union"] == pytest.approx([3, 2])
     assert (measured["area_source"] + measured["area_target"]) == pytest.approx(
@@ -301,14 +318,18 @@ def test_graphml_is_what_networkx_writes(tmp_path):
 
 def test_curves_are_packed_as_well_known_binary():
     points = np.array([[0, 0], [0, 0], [1, 0], [1, 1], [0, 0], [5, 5], [5, 5]], float)
-    closed = close_curves(points, np.array([0, 5, 7]))
-    curves = shapely.from_wkb(pack_curves(*closed))
+    packed = pack_curves(points, np.array([0, 5, 7]))
+    curves = shapely.from_wkb(packed.to_pylist())
     assert shapely.to_wkt(curves[0], rounding_precision=0) == "LINESTRING (1 0, 1 1, 0 0, 1 0)"
     assert shapely.get_num_points(curves).tolist() == [4, 2]
     assert shapely.is_closed(curves).all()
-    assert shapely.to_wkb(curves).tolist() == pack_curves(*closed)
-    assert all((a == b).all() for a, b in zip(unpack_curves(pack_curves(*closed)), closed))
-    assert (curve_centres(*closed) == shapely.get_coordinates(shapely.centroid(curves))).all()
+    assert shapely.to_wkb(curves).tolist() == packed.to_pylist()
+    blocks = [packed.slice(0, 1), packed.slice(1, 0), packed.slice(1, 1)]
+    for unpacked in (unpack_curves([packed], 9), unpack_curves(blocks, 6)):
+        assert unpacked.start.tolist() == [0, 4, 6]
+        assert (unpacked.points == shapely.get_coordinates(curves)).all()
+        assert (curve_centres(*unpacked) == shapely.get_coordinates(shapely.centroid(curves))).all()
+    assert len(unpack_curves([pack_curves(np.empty((0, 2)), np.zeros(1, int))], 0).start) == 1
 
 
 def test_connected_items_are_numbered_by_the_lowest():

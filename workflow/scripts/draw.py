@@ -7,13 +7,14 @@ the picture depend on the results alone: no dates, no program versions.
 from xml.etree import ElementTree
 
 import numpy as np
-import shapely
+import pyarrow as pa
 
 from batches import run_batch
 from reebslice.canvas import encode_png
+from reebslice.curves import unpack_curves
 from reebslice.graphml import Graph
 from reebslice.pictures import draw_model
-from storage import read_json, read_table
+from storage import read_blocks, read_json, read_table
 
 OUTPUTS = ("picture.png",)
 CURVES = 14  # levels whose contours are drawn faintly
@@ -25,9 +26,10 @@ def main(source, target, options):
     rotation = np.array(read_json(source / "tilt.json")["rotation"], float)
     certificate = read_json(source / "certificate.json")
     vertices, faces, levels, contours, arcs, material = (
-        read_table(source / f"{name}.parquet", name)
+        read_table(source / f"{name}.parquet", name, without=("geometry", "shell"))
         for name in ("vertices", "faces", "levels", "contours", "arcs", "nodes")
     )
+    geometry = read_blocks(source / "contours.parquet", "contours", "geometry")
     image = draw_model(
         name=source.name,
         facts=list_facts(certificate, faces.num_rows, levels.num_rows),
@@ -37,7 +39,7 @@ def main(source, target, options):
         rotation=rotation,
         graph=read_graph(source / "solid.graphml"),
         paths=trace_solid_arcs(arcs, material),
-        curves=pick_curves(levels, contours),
+        curves=pick_curves(levels, contours, geometry),
         options=options,
     )
     (target / "picture.png").write_bytes(encode_png(image))
@@ -101,17 +103,31 @@ def trace_solid_arcs(arcs, nodes):
     }
 
 
-def pick_curves(levels, contours):
-    """The contours (k, 3), tilted frame, of some levels spread evenly over the heights."""
+def pick_curves(levels, contours, geometry):
+    """The contours (k, 3), tilted frame, of some levels spread evenly over the heights.
+
+    geometry : that column of the table `contours`, an iterable of Arrow arrays.
+    """
     heights = read_column(levels, "height")
     if len(heights) == 0:
         return []
     wanted = np.linspace(heights.min(), heights.max(), CURVES + 2)[1:-1]
     chosen = read_column(levels, "level")[np.unique(np.abs(heights[:, None] - wanted).argmin(axis=0))]
     rows = np.flatnonzero(np.isin(read_column(contours, "level"), chosen))
-    lines = [shapely.get_coordinates(shapely.from_wkb(contours["geometry"][int(row)].as_py())) for row in rows]
+    most = int(read_column(contours, "n_points")[rows].sum()) + len(rows)
+    points, start = unpack_curves(take_rows(geometry, rows), most)
     tops = read_column(contours, "height")[rows]
+    lines = np.split(points, start[1:-1]) if len(rows) else []
     return [np.column_stack([line, np.full(len(line), top)]) for line, top in zip(lines, tops, strict=True)]
+
+
+def take_rows(blocks, rows):
+    """Of a column that comes in blocks, the ascending `rows`, in blocks."""
+    first = 0
+    for block in blocks:
+        inside = rows[(rows >= first) & (rows < first + len(block))]
+        yield block.take(pa.array(inside - first))
+        first += len(block)
 
 
 if "snakemake" in globals():

@@ -1,8 +1,9 @@
 """Place a material point in every region of every level: `nodes`."""
 
 from batches import run_batch
+from reebslice.blocks import contour_curves
 from reebslice.nodes import sample_nodes
-from storage import read_table, write_table
+from storage import read_blocks, read_table, write_table
 from surfaces import read_rotation
 
 OUTPUTS = ("nodes.parquet",)
@@ -10,10 +11,10 @@ OUTPUTS = ("nodes.parquet",)
 
 def main(source, target, options):
     """Sample the regions of the model in folder `source`, write the points to folder `target`."""
-    contours, pieces, levels = (
-        read_table(source / f"{name}.parquet", name) for name in ("contours", "pieces", "levels")
-    )
-    nodes = sample_nodes(contours, pieces, levels, read_rotation(source), options["sampler"])
+    pieces, levels = (read_table(source / f"{name}.parquet", name) for name in ("pieces", "levels"))
+    contours = read_table(source / "contours.parquet", "contours", without=("geometry",))
+    curves = contour_curves(contours, read_blocks(source / "contours.parquet", "contours", "geometry"))
+    nodes = sample_nodes(contours, curves, pieces, levels, read_rotation(source), options["sampler"])
     write_table(target / "nodes.parquet", "nodes", nodes)
 
 

@@ -84,7 +84,23 @@ def read_table(path, name, without=()):
     Raises ValueError when the file holds another table, was written in
     another format version or does not match the declaration.
     """
-    file = pq.ParquetFile(path)
+    file = _open_table(path, name)
+    wanted = [column for column in file.schema_arrow.names if column not in without]
+    return _without_nulls(path, name, file.read(wanted, use_threads=False))
+
+
+def read_blocks(path, name, column):
+    """Yield a column of the table `name` in the Parquet file `path`, block by block of rows, as Arrow arrays.
+
+    Of a column that is large one block is held at a time. Raises as :func:`read_table` does.
+    """
+    file = _open_table(path, name)
+    for group in range(file.num_row_groups):
+        yield from _without_nulls(path, name, file.read_row_group(group, [column], use_threads=False))[column].chunks
+
+
+def _open_table(path, name):
+    file = pq.ParquetFile(path, memory_map=True)  # files are replaced whole, never written in place
     metadata = file.schema_arrow.metadata or {}
     found = metadata.get(TABLE, b"").decode(), metadata.get(VERSION, b"").decode()
     if found != (name, FORMAT_VERSION):
@@ -94,8 +110,13 @@ def read_table(path, name, without=()):
         )
     try:
         check_schema(name, file.schema_arrow)
-        wanted = [column for column in file.schema_arrow.names if column not in without]
-        table = file.read(wanted, use_threads=False)
+    except ValueError as error:
+        raise ValueError(f"{path}: {error}") from None
+    return file
+
+
+def _without_nulls(path, name, table):
+    try:
         check_nulls(name, table)
     except ValueError as error:
         raise ValueError(f"{path}: {error}") from None
@@ -114,8 +135,10 @@ def write_parquet(path, table):
 
 def _write_row_groups(path, schema, tables):
     words = [field.name for field in schema if pa.types.is_string(field.type)]
+    raw = [field.name for field in schema if pa.types.is_binary(field.type)]
+    compression = {name: "none" if name in raw else "snappy" for name in schema.names} if raw else "snappy"
     encodings = {field.name: ENCODINGS[field.type] for field in schema if field.type in ENCODINGS}
-    style = {"compression": "snappy", "use_dictionary": words, "column_encoding": encodings}
+    style = {"compression": compression, "use_dictionary": words, "column_encoding": encodings}
     with _placed(path) as scratch, pq.ParquetWriter(scratch, schema, **style) as writer:
         for table in tables:
             writer.write_table(table.replace_schema_metadata(schema.metadata))

@@ -3,11 +3,12 @@
 import numpy as np
 
 from batches import run_batch
+from reebslice.blocks import contour_curves
 from reebslice.graphml import graphml_text
 from reebslice.levels import feature_scale
 from reebslice.schemas import GRAPHS
 from reebslice.synthesis import synthesize
-from storage import read_table, write_table, write_text
+from storage import read_blocks, read_table, write_table, write_text
 from surfaces import read_rotation
 
 OUTPUTS = (
@@ -26,12 +27,12 @@ def main(source, target, options):
 
     options : those of `edges`, and `levels`, those of `levels`.
     """
-    contours, pieces, handles, nodes = (
-        read_table(source / f"{name}.parquet", name) for name in ("contours", "pieces", "handles", "nodes")
-    )
+    pieces, handles, nodes = (read_table(source / f"{name}.parquet", name) for name in ("pieces", "handles", "nodes"))
+    contours = read_table(source / "contours.parquet", "contours", without=("geometry",))
+    curves = contour_curves(contours, read_blocks(source / "contours.parquet", "contours", "geometry"))
     # the lowest and the highest vertex are handles
     size = feature_scale(np.ptp(handles["height"].to_numpy()), **options["levels"])[1]
-    result = synthesize(contours, pieces, handles, nodes, read_rotation(source), size, options["method"])
+    result = synthesize(contours, curves, pieces, handles, nodes, read_rotation(source), size, options["method"])
     write_table(target / "edges.parquet", "edges", result.edges)
     write_table(target / "arcs.parquet", "arcs", result.arcs)
     for name in GRAPHS:

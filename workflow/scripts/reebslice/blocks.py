@@ -1,9 +1,9 @@
 """Blocks and regions as later stages see them: from the tables of the slices."""
 
 import numpy as np
-import shapely
 
-from .curves import unpack_curves
+from .curves import pick_curves, unpack_curves
+from .outlines import Outlines, mend_outlines
 
 
 def block_regions(pieces, contours):
@@ -33,46 +33,36 @@ def region_levels(contours):
     return level
 
 
-def contour_points(contours):
-    """The contours as closed curves: points (N, 2), tilted frame, and start (C + 1,)."""
-    return unpack_curves(contours["geometry"].to_numpy(zero_copy_only=False))
+def contour_curves(contours, geometry):
+    """The contours as closed :class:`curves.Curves`, tilted frame.
 
-
-def contour_rings(contours):
-    """The contours as shapely linear rings, (C,).
-
-    None where one is too small to span a triangle in floating point.
+    geometry : that column of the table, an iterable of Arrow arrays, of which one is held at a time.
     """
-    points, start = contour_points(contours)
-    length = np.diff(start)
-    usable = (length >= 4) & (contours["signed_area"].to_numpy() != 0)
-    of_ring, ring = np.repeat(usable, length), np.repeat(np.arange(usable.sum()), length[usable])
-    rings = np.full(len(length), None, object)
-    rings[usable] = shapely.linearrings(points[of_ring], indices=ring)
-    return rings
+    return unpack_curves(geometry, int(contours["n_points"].to_numpy().sum()) + contours.num_rows)
 
 
-def region_polygons(contours):
-    """The regions as shapely polygons with holes, (R,), tilted frame, all valid.
+def region_outlines(contours, curves):
+    """The valid :class:`outlines.Outlines` of the regions, (R,), tilted frame.
 
-    Contours without a ring are left out; a region whose outer contour is one
-    of them becomes an empty polygon.
+    Contours too small to span a triangle in floating point are left out; a
+    region whose outer contour is one of them has no outline.
     """
     region, inner = contours["region"].to_numpy(), contours["inner"].to_numpy(zero_copy_only=False)
-    rings, count = contour_rings(contours), count_regions(contours)
-    usable = ~shapely.is_missing(rings)
+    usable, count = _spans_triangle(contours, curves), count_regions(contours)
     has_outer = np.zeros(count, bool)
     has_outer[region[usable & ~inner]] = True
     order = np.flatnonzero(usable & has_outer[region])
     order = order[np.lexsort((inner[order], region[order]))]  # the outer contour first
-    polygons = np.full(count, shapely.Polygon(), object)
-    present, place = np.unique(region[order], return_inverse=True)
-    polygons[present] = shapely.polygons(rings[order], indices=place)
-    return mend(polygons)
+    start = np.concatenate([[0], np.cumsum(np.bincount(region[order], minlength=count))])
+    return mend_outlines(Outlines(*pick_curves(curves, order), start, inner[order]))
 
 
-def mend(polygons):
-    """Polygons made valid; others come of surfaces that cross themselves, and of contours that coincide by rounding."""
-    broken = ~shapely.is_valid(polygons)
-    polygons[broken] = shapely.buffer(shapely.make_valid(polygons[broken]), 0)
-    return polygons
+def contour_outlines(contours, curves):
+    """The same of what every contour encloses, (C,), hole or not."""
+    usable = _spans_triangle(contours, curves)
+    rings = pick_curves(curves, np.flatnonzero(usable))
+    return mend_outlines(Outlines(*rings, np.concatenate([[0], np.cumsum(usable)]), np.zeros(usable.sum(), bool)))
+
+
+def _spans_triangle(contours, curves):
+    return (np.diff(curves.start) >= 4) & (contours["signed_area"].to_numpy() != 0)

@@ -6,9 +6,10 @@ import numpy as np
 import pandas as pd
 import shapely
 
-from .blocks import block_regions, region_levels, region_polygons
+from .blocks import block_regions, contour_curves, region_levels, region_outlines
 from .components import connected_items
 from .handles import name_change
+from .outlines import outline_polygons
 from .schemas import EVENTS
 from .similarity import link_by_proximity, link_by_similarity, near_pairs
 
@@ -69,7 +70,8 @@ def compare_rules(contours, pieces):
     Columns `method` to `loops_found` of the table `comparison`.
     """
     below, above = block_regions(pieces, contours)
-    shapes, level = region_polygons(contours), region_levels(contours)
+    curves, level = contour_curves(contours, contours["geometry"].chunks), region_levels(contours)
+    shapes = outline_polygons(region_outlines(contours, curves))
     height = np.empty(len(level))
     height[contours["region"].to_numpy()] = contours["height"].to_numpy()
     kinds = block_kinds(contours, pieces)

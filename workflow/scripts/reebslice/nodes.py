@@ -4,9 +4,9 @@ import numpy as np
 import shapely
 from numba import njit
 
-from .blocks import block_regions, contour_points, region_levels, region_polygons
+from .blocks import block_regions, region_levels, region_outlines
 from .circles import clearances, largest_circles, nearest_point
-from .outlines import find_outlines, measure_outlines
+from .outlines import measure_outlines, outline_polygons
 from .schemas import build_table
 
 SAMPLERS = ("inscribed", "representative", "centroid")
@@ -21,8 +21,10 @@ STEPS = 8
 PRECISION = 0.05
 
 
-def sample_nodes(contours, pieces, levels, rotation, sampler="inscribed"):
+def sample_nodes(contours, curves, pieces, levels, rotation, sampler="inscribed"):
     """The table `nodes`: a material point per region per level.
+
+    contours : the table, `geometry` aside; curves : its :func:`blocks.contour_curves`
 
     sampler : "inscribed", centre of the largest inscribed circle, which leads
         along the medial axis; "representative", some point inside;
@@ -33,28 +35,28 @@ def sample_nodes(contours, pieces, levels, rotation, sampler="inscribed"):
     A region too thin to hold a point in floating point gets a point of its
     outer contour and the radius 0.
     """
-    regions, level = region_polygons(contours), region_levels(contours)
-    outlines = find_outlines(regions)
+    outlines, level = region_outlines(contours, curves), region_levels(contours)
+    count = len(level)
     if sampler == "inscribed":
-        below = single_predecessors(contours, pieces, len(regions))
+        below = single_predecessors(contours, pieces, count)
         points = steady_points(outlines, *inscribed_points(outlines), below)
     else:
-        points = points_inside(regions, sampler)
-    points = np.where(np.isnan(points), _first_points(contours, len(regions)), points)
+        points = points_inside(outline_polygons(outlines), sampler)
+    points = np.where(np.isnan(points), _first_points(contours, curves, count), points)
     height = levels["height"].to_numpy()[level]
     tilted = np.column_stack([points, height])
     return build_table(
         "nodes",
         {
-            "node": np.arange(len(regions)),
+            "node": np.arange(count),
             "level": level,
-            "region": np.arange(len(regions)),
+            "region": np.arange(count),
             "height": height,
             **dict(zip("xyz", (tilted @ np.asarray(rotation)).T)),
-            "critical": critical_regions(contours, pieces, len(regions)),
-            "area": np.bincount(contours["region"].to_numpy(), contours["signed_area"].to_numpy(), len(regions)),
+            "critical": critical_regions(contours, pieces, count),
+            "area": np.bincount(contours["region"].to_numpy(), contours["signed_area"].to_numpy(), count),
             "inscribed_radius": np.maximum(clearances(outlines, points), 0.0),
-            "n_holes": np.bincount(contours["region"].to_numpy(), minlength=len(regions)) - 1,
+            "n_holes": np.bincount(contours["region"].to_numpy(), minlength=count) - 1,
         },
     )
 
@@ -145,9 +147,8 @@ def critical_regions(contours, pieces, count):
     return critical
 
 
-def _first_points(contours, count):
+def _first_points(contours, curves, count):
     """The first point of each region's first contour, for regions without room: (R, 2)."""
-    points, start = contour_points(contours)
     first = np.empty((count, 2))
-    first[contours["region"].to_numpy()[::-1]] = points[start[:-1]][::-1]
+    first[contours["region"].to_numpy()[::-1]] = curves.points[curves.start[:-1]][::-1]
     return first

@@ -17,11 +17,12 @@ ROUNDING = 64 * np.finfo(float).eps
 
 
 class Regions(NamedTuple):
-    """R regions, ordered by level and then by their outer contour.
+    """R regions, ordered by level and then by their outer contour, and what it takes to find them.
 
     level : (R,) int32; outer : (R,) int32, the outer contour
     of_contour : (C,) int32, the region that each contour bounds
     inner : (C,) bool; parent : (C,) int32, smallest contour around it, or -1
+    area, perimeter : (C,) float64, of the contours, areas of holes negative
     """
 
     level: np.ndarray
@@ -29,6 +30,8 @@ class Regions(NamedTuple):
     of_contour: np.ndarray
     inner: np.ndarray
     parent: np.ndarray
+    area: np.ndarray
+    perimeter: np.ndarray
 
 
 def find_regions(mesh, levels, contours, body, pieces=None):
@@ -54,7 +57,7 @@ def find_regions(mesh, levels, contours, body, pieces=None):
     outers = np.flatnonzero(head == np.arange(len(head))).astype(np.int32)
     name = np.full(len(head), -1, np.int32)
     name[outers] = np.arange(len(outers), dtype=np.int32)
-    return Regions(contours.level[outers], outers, name[head], inner, parent)
+    return Regions(contours.level[outers], outers, name[head], inner, parent, area, perimeter)
 
 
 def _inner_contours(exact, chain, area, perimeter, rounding):

@@ -309,19 +309,19 @@ def build_table(name, columns):
     return table
 
 
-def check_table(name, table):
-    """Raise ValueError unless `table` has exactly the columns declared for `name`.
+def check_table(name, table, without=()):
+    """Raise ValueError unless `table` has exactly the columns declared for `name`, but for those `without`.
 
     Types and order are compared, and a null in a column that admits none is
     an error. Metadata of the file (content key, GeoParquet) are not compared.
     """
-    check_schema(name, table.schema)
+    check_schema(name, table.schema, without)
     check_nulls(name, table)
 
 
-def check_schema(name, schema):
-    """Raise ValueError unless `schema` has exactly the columns declared for `name`, in order."""
-    expected = SCHEMAS[name]
+def check_schema(name, schema, without=()):
+    """Raise ValueError unless `schema` has exactly the columns declared for `name`, in order, but for `without`."""
+    expected = pa.schema([field for field in SCHEMAS[name] if field.name not in without])
     if not schema.equals(expected, check_metadata=False):
         raise ValueError(
             f"table {name} does not match its schema:\nfound\n{schema.to_string(show_schema_metadata=False)}"

@@ -14,6 +14,7 @@ from typing import NamedTuple
 import numba
 import numpy as np
 
+from .normals import corner_normals, find_vertex_normals
 from .views import project_points, view_axes
 
 SUBPIXELS = 256
@@ -21,7 +22,6 @@ _LIGHT = np.array([-0.45, 0.55, 0.70]) / np.linalg.norm([-0.45, 0.55, 0.70])
 _BODY = np.array([0.66, 0.73, 0.80])
 _SHADOW = np.array([0.33, 0.40, 0.49])
 _OUTLINE = np.array([0.17, 0.21, 0.27])
-_FLAT_VALENCE = 64
 _HALF = SUBPIXELS // 2
 _SILHOUETTE = 96  # pixels
 
@@ -40,53 +40,6 @@ class Layers(NamedTuple):
     normal: np.ndarray
     slant: np.ndarray
     winding: np.ndarray
-
-
-@numba.njit(cache=True)
-def find_corner_normals(points, faces, crease):
-    """Unit normals, shape (n_faces, 3, 3), smooth except across creases.
-
-    A corner's normal is the area-weighted mean over those faces around its
-    vertex whose normals lie within `crease` degrees of the face's own.
-    Vertices with more than 64 faces (tips, centres of caps) are left flat,
-    and faces without area get the normal 0.
-    """
-    n = len(faces)
-    normals, areas = np.zeros((n, 3), np.float32), np.zeros(n, np.float32)
-    start = np.zeros(len(points) + 1, np.int32)
-    for f in range(n):
-        a, b, c = points[faces[f, 0]], points[faces[f, 1]], points[faces[f, 2]]
-        ux, uy, uz, vx, vy, vz = b[0] - a[0], b[1] - a[1], b[2] - a[2], c[0] - a[0], c[1] - a[1], c[2] - a[2]
-        x, y, z = uy * vz - uz * vy, uz * vx - ux * vz, ux * vy - uy * vx  # their cross product
-        length = np.sqrt(x * x + y * y + z * z)
-        if length > 0:
-            areas[f], normals[f, 0], normals[f, 1], normals[f, 2] = length, x / length, y / length, z / length
-        for i in range(3):
-            start[faces[f, i] + 1] += 1
-    for v in range(len(points)):
-        start[v + 1] += start[v]
-    around, fill = np.empty(3 * n, np.int32), start.copy()
-    for f in range(n):
-        for i in range(3):
-            around[fill[faces[f, i]]] = f
-            fill[faces[f, i]] += 1
-    bound = np.cos(np.radians(crease))
-    corners = np.empty((n, 3, 3), np.float32)
-    for f in range(n):
-        p, q, r = normals[f, 0], normals[f, 1], normals[f, 2]
-        for i in range(3):
-            first, last = start[faces[f, i]], start[faces[f, i] + 1]
-            x = y = z = 0.0
-            for k in range(first, last if last - first <= _FLAT_VALENCE else first):
-                m, area = normals[around[k]], areas[around[k]]
-                if m[0] * p + m[1] * q + m[2] * r >= bound:
-                    x, y, z = x + area * m[0], y + area * m[1], z + area * m[2]
-            length = np.sqrt(x * x + y * y + z * z)
-            if length > 0:
-                corners[f, i, 0], corners[f, i, 1], corners[f, i, 2] = x / length, y / length, z / length
-            else:
-                corners[f, i, 0], corners[f, i, 1], corners[f, i, 2] = p, q, r
-    return corners
 
 
 @numba.njit(cache=True)
@@ -116,58 +69,74 @@ def _span(x, y, row, left, right):
 
 
 @numba.njit(cache=True)
-def _fill_faces(grid, depths, faces, normals, depth, normal, slant, winding):
+def _fill_faces(grid, points, faces, scale, crease, smooth, around, start, depth, normal, slant, winding):
     height, width = depth.shape
+    corners = np.empty((3, 3))
     for f in range(len(faces)):
         # Rows run downward: a face seen from its front has negative area, and its corners are taken backward.
         sign, j, k = -1, 1, 2
         a, b, c = faces[f, 0], faces[f, 1], faces[f, 2]
-        ax, ay = grid[a, 0], grid[a, 1]
+        ax, ay = np.int64(grid[a, 0]), np.int64(grid[a, 1])
         area = (grid[b, 0] - ax) * (grid[c, 1] - ay) - (grid[b, 1] - ay) * (grid[c, 0] - ax)
         if area < 0:
             sign, j, k, b, c, area = 1, 2, 1, c, b, -area
-        x, y = (ax, grid[b, 0], grid[c, 0]), (ay, grid[b, 1], grid[c, 1])
+        x, y = (ax, np.int64(grid[b, 0]), np.int64(grid[c, 0])), (ay, np.int64(grid[b, 1]), np.int64(grid[c, 1]))
         first, last, top, bottom = _box(x, y, width, height)
-        if area == 0 or first > last:
+        if area == 0 or first > last or top > bottom:
             continue
         # Over a face everything is affine: its value at corner a and weights of the steps to corners b and c.
+        corner_normals(points, faces, f, crease, smooth, around, start, corners)
         bx, by, cx, cy = x[1] - ax, y[1] - ay, x[2] - ax, y[2] - ay
         step_b, step_c = SUBPIXELS * cy / area, -SUBPIXELS * by / area
-        d, db, dc = depths[a], depths[b] - depths[a], depths[c] - depths[a]
-        u, ub, uc = normals[f, 0, 0], normals[f, j, 0] - normals[f, 0, 0], normals[f, k, 0] - normals[f, 0, 0]
-        v, vb, vc = normals[f, 0, 1], normals[f, j, 1] - normals[f, 0, 1], normals[f, k, 1] - normals[f, 0, 1]
-        w, wb, wc = normals[f, 0, 2], normals[f, j, 2] - normals[f, 0, 2], normals[f, k, 2] - normals[f, 0, 2]
+        d, db, dc = points[a, 2] / scale, (points[b, 2] - points[a, 2]) / scale, (points[c, 2] - points[a, 2]) / scale
+        u, ub, uc = corners[0, 0], corners[j, 0] - corners[0, 0], corners[k, 0] - corners[0, 0]
+        v, vb, vc = corners[0, 1], corners[j, 1] - corners[0, 1], corners[k, 1] - corners[0, 1]
+        w, wb, wc = corners[0, 2], corners[j, 2] - corners[0, 2], corners[k, 2] - corners[0, 2]
+        step_d, step_w = step_b * db + step_c * dc, step_b * wb + step_c * wc
         for row in range(top, bottom + 1):
             left, right = _span(x, y, row, first, last)
             px, py = left * SUBPIXELS + _HALF - ax, row * SUBPIXELS + _HALF - ay
             s, t = (px * cy - py * cx) / area, (py * bx - px * by) / area
-            for column in range(left, right + 1):
-                slope = w + s * wb + t * wc
-                winding[row, column] += sign
-                slant[row, column] += max(0.0, 1.0 - abs(slope)) ** 2
-                if d + s * db + t * dc > depth[row, column]:
-                    depth[row, column] = d + s * db + t * dc
-                    normal[row, column, 0] = u + s * ub + t * uc
-                    normal[row, column, 1] = v + s * vb + t * vc
-                    normal[row, column, 2] = slope
-                s, t = s + step_b, t + step_c
+            deep, slope = d + s * db + t * dc, w + s * wb + t * wc
+            for i in range(right + 1 - left):
+                column = np.uint64(left + i)
+                edge_on = max(0.0, 1.0 - abs(slope + i * step_w))
+                winding[np.uint64(row), column] += sign
+                slant[np.uint64(row), column] += edge_on * edge_on
+            for i in range(right + 1 - left):
+                column = np.uint64(left + i)
+                if deep + i * step_d > depth[np.uint64(row), column]:
+                    p, q = s + i * step_b, t + i * step_c
+                    depth[np.uint64(row), column] = deep + i * step_d
+                    normal[np.uint64(row), column, 0] = u + p * ub + q * uc
+                    normal[np.uint64(row), column, 1] = v + p * vb + q * vc
+                    normal[np.uint64(row), column, 2] = w + p * wb + q * wc
 
 
 def rasterize_mesh(points, faces, view, crease=40.0):
     """The :class:`Layers` of a mesh: points (n, 3), faces (m, 3), as seen in `view`.
 
-    Faces are counter-clockwise seen from outside. A pixel is covered when its
-    centre is. Faces seen exactly edge-on cover nothing. An empty mesh gives
+    Faces are counter-clockwise seen from outside; normals are smooth across mesh edges of less than `crease`
+    degrees. A pixel is covered when its centre is. Faces seen exactly edge-on cover nothing. An empty mesh gives
     empty layers.
     """
     shape = (view.height, view.width)
     slant, winding = np.zeros(shape, np.float32), np.zeros(shape, np.int16)
     layers = Layers(np.full(shape, -np.inf), np.zeros((*shape, 3), np.float32), slant, winding)
     seen, faces = project_points(points, view), np.ascontiguousarray(faces)
-    grid = np.rint(seen[:, :2] * SUBPIXELS).astype(np.int64)
-    normals = find_corner_normals(seen * [1, -1, view.scale], faces, crease)
-    _fill_faces(grid, seen[:, 2], faces, normals, *layers)
+    grid = _place_on_grid(seen)
+    seen *= [1, -1, view.scale]  # a frame in which angles are right
+    _fill_faces(grid, seen, faces, view.scale, crease, *find_vertex_normals(seen, faces, crease), *layers)
     return layers
+
+
+@numba.njit(cache=True)
+def _place_on_grid(seen):
+    """Columns and rows of points (n, 3) in the parts of pixels that the rasteriser counts in, (n, 2) int32."""
+    grid = np.empty((len(seen), 2), np.int32)
+    for i in range(len(seen)):
+        grid[i, 0], grid[i, 1] = np.rint(seen[i, 0] * SUBPIXELS), np.rint(seen[i, 1] * SUBPIXELS)
+    return grid
 
 
 def widest_azimuth(points, faces, elevation):
@@ -228,17 +197,21 @@ def shade_layers(layers, jump, factor=1):
 @numba.njit(cache=True)
 def _shade_blocks(depth, normal, slant, jump, factor, image):
     """Shade the mean surface of every block once; how much is covered, and on an outline, counts pixel by pixel."""
+    outlined = np.empty((factor, depth.shape[1]), np.bool_)
     for row in range(image.shape[0]):
+        for y in range(factor):
+            _find_outline(depth, row * factor + y, jump, outlined[y])
         for column in range(image.shape[1]):
             covered = lines = 0
             u = v = w = through = 0.0
-            for y in range(row * factor, (row + 1) * factor):
-                for x in range(column * factor, (column + 1) * factor):
+            for j in range(factor):
+                for i in range(factor):
+                    y, x = np.uint64(row * factor + j), np.uint64(column * factor + i)
                     if depth[y, x] > -np.inf:
                         u, v, w = u + normal[y, x, 0], v + normal[y, x, 1], w + normal[y, x, 2]
                         through += slant[y, x]
                         covered += 1
-                        lines += _breaks_off(depth, y, x, jump)
+                        lines += outlined[np.uint64(j), x]
             if covered == 0:
                 image[row, column, 0] = image[row, column, 1] = image[row, column, 2] = 255
                 continue
@@ -257,12 +230,13 @@ def _shade_blocks(depth, normal, slant, jump, factor, image):
 
 
 @numba.njit(cache=True)
-def _breaks_off(depth, row, column, jump):
-    """Whether one of the pixel's four neighbours lies more than `jump` behind it, or is empty."""
-    bound = depth[row, column] - jump
-    return (
-        (row > 0 and depth[row - 1, column] < bound)
-        or (row + 1 < depth.shape[0] and depth[row + 1, column] < bound)
-        or (column > 0 and depth[row, column - 1] < bound)
-        or (column + 1 < depth.shape[1] and depth[row, column + 1] < bound)
-    )
+def _find_outline(depth, row, jump, outlined):
+    """Whether one of the four neighbours of each pixel of a row lies more than `jump` behind it, or is empty."""
+    here, width = depth[row], depth.shape[1]
+    above, below = depth[max(row - 1, 0)], depth[min(row + 1, len(depth) - 1)]
+    for x in range(width):
+        outlined[x] = min(above[x], below[x]) < here[x] - jump
+    for x in range(width - 1):
+        outlined[x] |= here[x + 1] < here[x] - jump
+    for x in range(1, width):
+        outlined[x] |= here[x - 1] < here[x] - jump

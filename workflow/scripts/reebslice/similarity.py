@@ -13,7 +13,7 @@ import numpy as np
 import shapely
 
 from .components import connected_items
-from .outlines import find_outlines, shared_areas
+from .outlines import find_outlines, outline_areas, outline_polygons, pick_outlines, shared_areas
 
 # Tuned on half of a corpus, see docs/connectivity.md. Of the smaller of two
 # shapes this share must lie in the other.
@@ -23,16 +23,17 @@ LEAST_SHARE = 0.1
 FARTHEST = 0.7
 
 
-def boolean_similarity(shapes, low, high):
-    """Areas of pairs of valid polygons: dict of (E,) float64.
+def boolean_similarity(outlines, low, high):
+    """Areas of pairs of regions: dict of (E,) float64.
 
-    shapes : (R,); low, high : (E,) places of the pairs. `similarity` is
-    intersection over union (Ruiz and Cadavid 2001), 0 where both are empty.
+    outlines : valid :class:`outlines.Outlines` of R regions; low, high : (E,)
+    places of the pairs. `similarity` is intersection over union (Ruiz and
+    Cadavid 2001), 0 where both are empty.
     """
-    area = shapely.area(shapes)
-    shared = shared_areas(find_outlines(shapes), low, high)
+    area, shared = outline_areas(outlines), shared_areas(outlines, low, high)
     slow = np.isnan(shared)
-    shared[slow] = shapely.area(shapely.intersection(shapes[low[slow]], shapes[high[slow]]))
+    one, other = (outline_polygons(pick_outlines(outlines, end[slow])) for end in (low, high))
+    shared[slow] = shapely.area(shapely.intersection(one, other))
     intersection = np.clip(shared, 0.0, np.minimum(area[low], area[high]))  # rounding may lead beyond
     union = area[low] + area[high] - intersection
     return {
@@ -62,7 +63,7 @@ class Pairs(NamedTuple):
 def near_pairs(level, height, shapes):
     """All :class:`Pairs` of which a rule may link some; shapes that overlap are among them."""
     low, high = neighbours(level, height, shapes, FARTHEST)
-    measured = boolean_similarity(shapes, low, high)
+    measured = boolean_similarity(find_outlines(shapes), low, high)
     smaller = np.minimum(measured["area_source"], measured["area_target"])
     overlap = measured["area_intersection"]
     share = np.divide(overlap, smaller, out=np.zeros_like(smaller), where=smaller > 0)

@@ -5,12 +5,12 @@ from typing import NamedTuple
 
 import numpy as np
 import pyarrow as pa
-import shapely
 
-from .blocks import block_regions, contour_points, contour_rings, mend, region_levels, region_polygons
+from .blocks import block_regions, contour_outlines, region_levels, region_outlines
 from .curves import curve_centres
 from .graphml import Graph
 from .graphs import arc_columns, augmented_graph, bounding_arcs, reeb_graph, simplified_graph, trace_arcs
+from .outlines import outline_polygons
 from .parts import linked_parts, solid_parts, surface_parts
 from .schemas import build_table
 from .similarity import boolean_similarity, link_by_proximity, link_by_similarity
@@ -39,8 +39,10 @@ class Synthesis(NamedTuple):
     surface_simplified: Graph
 
 
-def synthesize(contours, pieces, handles, nodes, rotation, feature_size, method="exact"):
+def synthesize(contours, curves, pieces, handles, nodes, rotation, feature_size, method="exact"):
     """Connect the levels: :class:`Synthesis`.
+
+    contours : the table, `geometry` aside; curves : its :func:`blocks.contour_curves`
 
     feature_size : mesh units; the simplified graphs show nothing below it.
 
@@ -48,8 +50,8 @@ def synthesize(contours, pieces, handles, nodes, rotation, feature_size, method=
     similarity; "proximity", nearest centroids. All edges carry their Boolean
     similarity, and `linked` says whether the mesh links their ends.
     """
-    polygons = region_polygons(contours)
-    centres = contour_centres(contours, rotation)
+    outlines = region_outlines(contours, curves)
+    centres = contour_centres(contours, curves, rotation)
     material = np.column_stack([nodes[axis].to_numpy() for axis in "xyz"])
     truth = block_links(pieces, contours)
     if method == "exact":
@@ -59,13 +61,13 @@ def synthesize(contours, pieces, handles, nodes, rotation, feature_size, method=
         held = [Counter(handles[part].to_pylist()) for part in ("block", "piece")]
     else:
         link = {"similarity": link_by_similarity, "proximity": link_by_proximity}[method]
-        pairs = link(region_levels(contours), nodes["height"].to_numpy(), polygons)
+        pairs = link(region_levels(contours), nodes["height"].to_numpy(), outline_polygons(outlines))
         solid = linked_parts(region_levels(contours), pairs)
-        surface = linked_parts(contours["level"].to_numpy(), link_contours(contours, link))
+        surface = linked_parts(contours["level"].to_numpy(), link_contours(contours, curves, link))
         rows, held = {}, [Counter(), Counter()]
     solid_joints = joint_rows(solid, material, nodes["height"].to_numpy(), rows, held[0])
     surface_joints = joint_rows(surface, centres, contours["height"].to_numpy(), rows, held[1])
-    edges = edges_table(pairs, truth, solid, solid_joints, polygons, region_levels(contours), method)
+    edges = edges_table(pairs, truth, solid, solid_joints, outlines, region_levels(contours), method)
     similarity = dict(
         zip(zip(edges["source"].to_pylist(), edges["target"].to_pylist()), edges["similarity"].to_pylist())
     )
@@ -95,14 +97,11 @@ def block_links(pieces, contours):
     return {(low, high): block for block, (below, above) in enumerate(ends) for low in below for high in above}
 
 
-def link_contours(contours, link):
+def link_contours(contours, curves, link):
     """Links between contours of consecutive levels, outer and inner ones apart."""
     level, height = contours["level"].to_numpy(), contours["height"].to_numpy()
-    inner, rings = contours["inner"].to_numpy(zero_copy_only=False), contour_rings(contours)
-    shapes = np.full(len(rings), shapely.Polygon(), object)
-    usable = ~shapely.is_missing(rings)
-    shapes[usable] = shapely.polygons(rings[usable])
-    shapes = mend(shapes)
+    inner = contours["inner"].to_numpy(zero_copy_only=False)
+    shapes = outline_polygons(contour_outlines(contours, curves))
     pairs = []
     for kind in (inner, ~inner):
         members = np.flatnonzero(kind)
@@ -111,9 +110,9 @@ def link_contours(contours, link):
     return sorted(pairs)
 
 
-def contour_centres(contours, rotation):
+def contour_centres(contours, curves, rotation):
     """Centroids of the contours, (C, 3), model frame."""
-    centres = curve_centres(*contour_points(contours))
+    centres = curve_centres(*curves)
     return np.column_stack([centres, contours["height"].to_numpy()]) @ np.asarray(rotation)
 
 
@@ -141,7 +140,7 @@ def joint_rows(parts, points, height, handles, held):
     return rows
 
 
-def edges_table(pairs, truth, parts, joints, polygons, level, method):
+def edges_table(pairs, truth, parts, joints, outlines, level, method):
     """The table `edges`: one row per pair of linked regions, with similarity."""
     part_of = {low: part for part, lower in enumerate(parts.below) for low in lower}
     source, target = np.array(pairs, np.int64).reshape(-1, 2).T
@@ -155,7 +154,7 @@ def edges_table(pairs, truth, parts, joints, polygons, level, method):
             "slab": level[source],
             "handle": [members[0] if members else None for members in inside],
             "operation": [joints[members[0]]["operation"] if members else "continuation" for members in inside],
-            **boolean_similarity(polygons, source, target),
+            **boolean_similarity(outlines, source, target),
             "linked": [pair in truth for pair in pairs],
             "method": [method] * len(pairs),
         },

@@ -1,0 +1,88 @@
+"""Normals of a triangle mesh that are smooth except across creases."""
+
+import numba
+import numpy as np
+
+FLAT_VALENCE = 64  # faces around a vertex, beyond which it is the tip of a cone or the centre of a cap, and flat
+
+
+@numba.njit(cache=True)
+def find_vertex_normals(points, faces, crease):
+    """Unit normals of the vertices, shape (n, 3), 0 where they are not smooth; and their faces, `around` and `start`.
+
+    points : (n, 3); faces : (m, 3). A vertex is smooth where any two of its faces meet at
+    less than `crease` degrees; its normal is the area-weighted mean of theirs. Of the others the faces are
+    around[start[v]:start[v + 1]], save for vertices with more than 64 faces (tips, centres of caps).
+    """
+    total, count = np.zeros((len(points), 3)), np.zeros(len(points), np.int32)
+    for f in range(len(faces)):
+        x, y, z, area = _face_normal(points, faces, f)
+        for i in range(3):
+            v = faces[f, i]
+            total[v, 0] += area * x
+            total[v, 1] += area * y
+            total[v, 2] += area * z
+            count[v] += 1
+    smooth = np.zeros((len(points), 3), np.float32)
+    for v in range(len(points)):
+        x, y, z = total[v, 0], total[v, 1], total[v, 2]
+        length = np.sqrt(x * x + y * y + z * z)
+        if length > 0 and count[v] <= FLAT_VALENCE:
+            smooth[v, 0], smooth[v, 1], smooth[v, 2] = x / length, y / length, z / length
+    # Where all normals lie within half a crease of their mean, any two are within a crease.
+    bound, start = np.cos(np.radians(0.49 * crease)), np.zeros(len(points) + 1, np.int32)
+    creased = np.zeros(len(points), np.bool_)
+    for f in range(len(faces)):
+        x, y, z, area = _face_normal(points, faces, f)
+        for i in range(3):
+            v = faces[f, i]
+            if area > 0 and smooth[v, 0] * x + smooth[v, 1] * y + smooth[v, 2] * z < bound:
+                creased[v] = count[v] <= FLAT_VALENCE
+    for v in range(len(points)):
+        start[v + 1] = start[v]
+        if creased[v]:
+            smooth[v] = 0
+            start[v + 1] += count[v]
+    around, fill = np.empty(start[-1], np.int32), start.copy()
+    for f in range(len(faces) if len(around) else 0):
+        for i in range(3):
+            if creased[faces[f, i]]:
+                around[fill[faces[f, i]]] = f
+                fill[faces[f, i]] += 1
+    return smooth, around, start
+
+
+@numba.njit(cache=True, inline="always")
+def _face_normal(points, faces, f):
+    """Unit normal of a face and twice its area; all 0 of a face without area."""
+    a, b, c = points[faces[f, 0]], points[faces[f, 1]], points[faces[f, 2]]
+    ux, uy, uz, vx, vy, vz = b[0] - a[0], b[1] - a[1], b[2] - a[2], c[0] - a[0], c[1] - a[1], c[2] - a[2]
+    x, y, z = uy * vz - uz * vy, uz * vx - ux * vz, ux * vy - uy * vx  # their cross product
+    length = np.sqrt(x * x + y * y + z * z)
+    over = 1.0 / length if length > 0 else 0.0
+    return x * over, y * over, z * over, length
+
+
+@numba.njit(cache=True)
+def corner_normals(points, faces, f, crease, smooth, around, start, out):
+    """Unit normals `out`, (3, 3), at the corners of face f; smooth, around, start : of :func:`find_vertex_normals`.
+
+    That of a vertex, if smooth, else the area-weighted mean over those faces around it whose normals lie within
+    `crease` degrees of the face's own, which is also that at vertices of very many faces. A face without area has 0.
+    """
+    bound, flat = np.cos(np.radians(crease)), _face_normal(points, faces, f)
+    for i in range(3):
+        v = faces[f, i]
+        out[i, 0], out[i, 1], out[i, 2] = smooth[v, 0], smooth[v, 1], smooth[v, 2]
+        if smooth[v, 0] == 0 and smooth[v, 1] == 0 and smooth[v, 2] == 0:
+            x = y = z = 0.0
+            for k in range(start[v], start[v + 1]):
+                p, q, r, area = _face_normal(points, faces, around[k])
+                if p * flat[0] + q * flat[1] + r * flat[2] >= bound:
+                    x, y, z = x + area * p, y + area * q, z + area * r
+            length = np.sqrt(x * x + y * y + z * z)
+            if length > 0:
+                out[i, 0], out[i, 1], out[i, 2] = x / length, y / length, z / length
+            else:
+                out[i, 0], out[i, 1], out[i, 2] = flat[0], flat[1], flat[2]
+    return out
