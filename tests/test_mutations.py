@@ -12,7 +12,9 @@ import shapely
 import pipeline
 import solids
 from certify import mesh_lengths
+from reebslice.certification import recount
 from reebslice.certification.certificates import certify
+from reebslice.certification.recount_curves import read_curves
 from reebslice.schemas import EVENTS, GRAPHS, MODEL_TABLES, OPERATIONS, PIECE_KINDS, SCHEMAS
 from storage import read_json, read_table
 
@@ -46,6 +48,28 @@ def results(name):
         graphs = {g: nx.read_graphml(f"{folder}/{g}.graphml", force_multigraph=True) for g in GRAPHS}
         tilt = read_json(f"{folder}/tilt.json")
     return tables, tilt, graphs, *mesh_lengths(tables["vertices"], tilt, pipeline.OPTIONS["levels"] | levels)
+
+
+def test_curves_may_come_apart_from_the_table_of_contours():
+    tables, tilt, graphs, size, distance = results("nested")
+    whole = certify(tables, tilt, pipeline.as_read(graphs), size, distance)
+    contours = tables["contours"]
+    bare, blobs = contours.drop_columns(["geometry"]), contours["geometry"].combine_chunks()
+    parts = [blobs.slice(0, 7), blobs.slice(7)]
+    found = certify(tables | {"contours": bare}, tilt, pipeline.as_read(graphs), size, distance, read_curves(parts))
+    assert found == whole
+    for curves in (None, read_curves(parts[1:]), read_curves(parts[::-1])):
+        found = certify(tables | {"contours": bare}, tilt, pipeline.as_read(graphs), size, distance, curves)
+        assert found["verdict"] == "uncertified"
+
+
+@pytest.mark.parametrize("name", ["nested", "multiple saddle"])
+def test_runs_of_few_levels_certify_the_same(name, monkeypatch):
+    tables, tilt, graphs, size, distance = results(name)
+    whole = certify(tables, tilt, pipeline.as_read(graphs), size, distance)
+    for cells in (1, 1000):
+        monkeypatch.setattr(recount, "CELLS_AT_ONCE", cells)
+        assert certify(tables, tilt, pipeline.as_read(graphs), size, distance) == whole
 
 
 @pytest.mark.parametrize("name", MODELS)

@@ -2,14 +2,16 @@
 
 import networkx as nx
 import numpy as np
+import pyarrow as pa
 import pytest
 import shapely
 import trimesh
 
+from reebslice.certification.recount_curves import measure_curves, pass_spots, read_curves
 from reebslice.certification.recount_elders import elder_pairs
 from reebslice.certification.recount_holes import Nest
 from reebslice.certification.recount_joins import find_components
-from reebslice.certification.recount_shapes import measure_curves
+from reebslice.certification.recount_regions import build_polygons, find_regions, look_around, share
 from reebslice.certification.recount_surface import count_links, find_sides, measure_shells, rank_surface
 from solids import blob, hollow_ball, plate, torus
 
@@ -118,20 +120,104 @@ def rings(seed, count):
         yield shapely.linestrings(points if random.random() < 0.5 else points[::-1])
 
 
+def test_curves_are_read_as_they_were_written():
+    lines = np.array([*rings(0, 5)])
+    curves, drawn = read_curves([pa.array(shapely.to_wkb(part)) for part in (lines[:2], lines[1:])])
+    assert drawn.all() and (curves.points == shapely.get_coordinates(lines[[0, 1, 1, 2, 3, 4]])).all()
+    assert shapely.equals_exact(curves.lines([3, 0]), lines[[2, 0]]).all()
+    sliced, _ = read_curves([pa.array(shapely.to_wkb(lines)).slice(2, 2)])
+    assert (sliced.points == shapely.get_coordinates(lines[2:4])).all()
+
+
+def test_what_is_no_closed_plane_curve_is_not_drawn():
+    good = shapely.to_wkb(shapely.linestrings([[0, 0], [1, 0], [0, 1], [0, 0]]))
+    lines = ([[0, 0]] * 2, [[0, 0], [1, 0]], [[0, 0, 1], [1, 0, 1], [0, 0, 1]], [[0, 0], [np.nan, 0], [0, 0]])
+    with np.errstate(invalid="ignore"):
+        blobs = [good, *(shapely.to_wkb(shapely.linestrings(line)) for line in lines)]
+    blobs += [b"", good[:-1], good + bytes(16), b"\0" + good[1:], shapely.to_wkb(shapely.Point(0, 0))]
+    blobs += [shapely.to_wkb(shapely.linestrings([[0, 0], [np.inf, 0], [0, 0]])), good]
+    curves, drawn = read_curves([pa.array(blobs, pa.binary())])
+    assert drawn.tolist() == [True, True] + [False] * (len(blobs) - 3) + [True]
+    assert curves.first[-1] == len(curves.points)
+    assert read_curves([])[1].tolist() == []
+
+
 def test_curves_are_measured_as_shapely_measures_them():
-    curves = np.array([*rings(0, 20), shapely.linestrings([[2, 3]] * 4)])
-    area, perimeter, centre = measure_curves(curves)
-    sizes = shapely.area([shapely.Polygon(curve.coords) for curve in curves])
-    assert area == pytest.approx(np.where(shapely.is_ccw(curves), sizes, -sizes), abs=1e-12)
-    assert perimeter == pytest.approx(shapely.length(curves), rel=1e-12)
-    assert centre == pytest.approx(shapely.get_coordinates(shapely.centroid(curves)), abs=1e-12)
+    lines = np.array([*rings(0, 20), shapely.linestrings([[2, 3]] * 4)])
+    curves, _ = read_curves([pa.array(shapely.to_wkb(lines))])
+    area, perimeter, centre, boxes = measure_curves(*curves)
+    sizes = shapely.area([shapely.Polygon(line.coords) for line in lines])
+    assert area == pytest.approx(np.where(shapely.is_ccw(lines), sizes, -sizes), abs=1e-12)
+    assert perimeter == pytest.approx(shapely.length(lines), rel=1e-12)
+    assert centre == pytest.approx(shapely.get_coordinates(shapely.centroid(lines)), abs=1e-12)
+    assert (boxes == shapely.bounds(lines)).all()
+    spots = np.random.default_rng(0).uniform(-2, 2, (21, 2))
+    far = shapely.distance(lines, shapely.points(spots))
+    for room in (0.0, np.median(far), far.max() + 1):
+        assert pass_spots(*curves, spots, room).tolist() == (far <= room).tolist()
+
+
+def squares(*boxes, inward=()):
+    """A square less others, as a list of rings; those of `inward` are drawn the other way round."""
+    return [shapely.box(*box).exterior for box in boxes] + [shapely.box(*box).exterior.reverse() for box in inward]
+
+
+def hold(regions):
+    """Lists of rings, the outer one first, as :class:`recount_regions.Regions`, and shapely's polygons of them."""
+    region = np.repeat(np.arange(len(regions)), [len(rings) for rings in regions])
+    inner = np.diff(region, prepend=-1) == 0
+    lines = np.array([shapely.LineString(ring.coords) for rings in regions for ring in rings])
+    curves, _ = read_curves([pa.array(shapely.to_wkb(lines))])
+    area, length, *_ = measure_curves(*curves)
+    polygons = np.array([shapely.Polygon(rings[0], rings[1:]) for rings in regions])
+    return find_regions(curves, area, length, area, region, inner, len(regions)), polygons
+
+
+def unlike_regions():
+    """Regions that cross, touch, coincide or lie in one another, some with holes, one that crosses itself."""
+    regions = [[line] for line in rings(3, 12)]
+    regions += [squares((0, 0, 3, 2), (1, 1, 2, 1.5)), squares((0, 0, 3, 2), inward=[(1, 1, 2, 1.5)])]
+    regions += [squares((1, 1, 2, 1.5)), squares((0, 0, 3, 2)), squares((3, 0, 4, 2)), squares((3, 2, 5, 4))]
+    regions += [squares((-1, -1, 6, 6), (0, 0, 3, 2), (3.5, 2.5, 4, 3))]
+    regions += [[shapely.LinearRing([(0, 0), (3, 1), (3, 0), (0, 2)])], [shapely.LinearRing([(0, 0), (2, 0), (1, 0)])]]
+    star = np.random.default_rng(5).uniform(0.3, 3, 60)[:, None] * np.exp(2j * np.pi * np.arange(60) / 60)[:, None]
+    return [*regions, [shapely.LinearRing(np.hstack([star.real, star.imag]))]]
+
+
+def test_regions_share_the_areas_of_their_intersections():
+    regions, polygons = hold(unlike_regions())
+    flat, broken = len(polygons) - 2, len(polygons) - 3
+    assert regions.broken.tolist() == [k == broken for k in range(len(polygons))]
+    polygons[flat], polygons[broken] = shapely.Polygon(), shapely.make_valid(polygons[broken])
+    assert regions.area == pytest.approx(shapely.area(polygons), abs=1e-12)
+    assert regions.length == pytest.approx(shapely.length(polygons), rel=1e-12)
+    one, other = np.indices((len(polygons),) * 2).reshape(2, -1)
+    expected = shapely.area(shapely.intersection(polygons[one], polygons[other]))
+    assert share(regions, one, other) == pytest.approx(expected, abs=1e-13 * 50)
+    rows = np.array([15, 13, flat, broken, 13])
+    assert shapely.equals(build_polygons(regions, rows), polygons[rows]).all()
+
+
+def test_spots_are_seen_inside_and_near_as_shapely_sees_them():
+    regions, polygons = hold(unlike_regions())
+    broken = regions.broken.argmax()
+    polygons[broken] = shapely.make_valid(polygons[broken])
+    for seed in range(20):
+        spots = np.random.default_rng(seed).uniform(-1, 4, (len(polygons), 2))
+        inside, near, edge = look_around(regions, spots)
+        usable = np.arange(len(polygons)) != len(polygons) - 2
+        assert (inside == (shapely.contains_xy(polygons, spots) & usable)).all()
+        far = shapely.distance(shapely.boundary(polygons), shapely.points(spots))
+        assert edge[usable] == pytest.approx(far[usable]) and np.isinf(edge[~usable]).all()
+        assert np.delete(near, broken) == pytest.approx(np.delete(far, broken))
 
 
 @pytest.mark.parametrize("seed", range(3))
 def test_contours_around_a_contour(seed):
     curves, level = np.array([*rings(seed, 40)]), np.arange(40) % 3
-    area = measure_curves(curves)[0]
-    nest = Nest(curves, area, np.full(40, 1e-12), level, 1e-9, None)
+    read, _ = read_curves([pa.array(shapely.to_wkb(curves))])
+    area, *_, boxes = measure_curves(*read)
+    nest = Nest(read, boxes, area, np.full(40, 1e-12), level, 1e-9, None)
     polygons = np.array([shapely.Polygon(curve.coords) for curve in curves])
     for one in range(40):
         larger = np.flatnonzero((level == level[one]) & (np.abs(area) >= abs(area[one]) - 2e-12)).tolist()

@@ -11,8 +11,9 @@ import numpy as np
 from batches import run_batch
 from reebslice.certification.certificates import certify
 from reebslice.certification.graphml import parse_graph
+from reebslice.certification.recount_curves import read_curves
 from reebslice.schemas import GRAPHS, MODEL_TABLES
-from storage import read_json, read_table, write_json
+from storage import read_blocks, read_json, read_table, write_json
 
 OUTPUTS = ("certificate.json",)
 
@@ -20,11 +21,14 @@ OUTPUTS = ("certificate.json",)
 def main(source, target, options):
     """Certify the model in folder `source`; write the certificate to folder `target`."""
     source = Path(source)
-    tables = {name: read_table(source / f"{name}.parquet", name) for name in MODEL_TABLES}
+    # of the contours the curves, by far the most, are not kept as the file has them
+    apart = {"contours": ("geometry",)}
+    tables = {name: read_table(source / f"{name}.parquet", name, apart.get(name, ())) for name in MODEL_TABLES}
+    curves = read_curves(read_blocks(source / "contours.parquet", "contours", "geometry"))
     tilt = read_json(source / "tilt.json")
     graphs = {name: parse_graph((source / f"{name}.graphml").read_bytes()) for name in GRAPHS}
     size, distance = mesh_lengths(tables["vertices"], tilt, options)
-    write_json(Path(target) / "certificate.json", certify(tables, tilt, graphs, size, distance))
+    write_json(Path(target) / "certificate.json", certify(tables, tilt, graphs, size, distance, curves))
 
 
 def mesh_lengths(vertices, tilt, options):

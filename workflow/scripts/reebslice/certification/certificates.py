@@ -86,7 +86,7 @@ class Ledger:
         return bool(self.checks) and all(check["holds"] for check in self.checks.values())
 
 
-def certify(tables, tilt, graphs, feature_size, distance=None):
+def certify(tables, tilt, graphs, feature_size, distance=None, curves=None):
     """The certificate of one model, a dict that JSON can hold.
 
     Parameters
@@ -99,12 +99,14 @@ def certify(tables, tilt, graphs, feature_size, distance=None):
     feature_size : float, mesh units; what is smaller may stay unresolved in a
         model that is `exact_at_feature_size`
     distance : float or None, mesh units; the largest spacing of uniform levels
+    curves : what :func:`recount_curves.read_curves` tells of the contours; then their table is without `geometry`
 
     Never raises on account of the tables: what contradicts itself so badly
     that a step cannot be made is a check that fails, and the steps that build
     on it are entered as not made.
     """
     case = SimpleNamespace(tables=tables, tilt=tilt, graphs=graphs, size=feature_size, distance=distance, open={})
+    case.read_curves = curves
     ledger = Ledger()
     stopped = ""
     for step in STEPS:

@@ -130,7 +130,7 @@ def check_sides(case, ledger):
     tangled = np.zeros(len(local), bool)
     for handle in np.flatnonzero((local != "") & ~agree).tolist():
         bounding = t["contours_below"][handle] + t["contours_above"][handle]
-        tangled[handle] = not shapely.is_simple(case.curves[bounding]).all()
+        tangled[handle] = not shapely.is_simple(case.curves.lines(bounding)).all()
     decided = (local != "") & ~tangled
     differ = np.flatnonzero(decided & ~agree)
     says = f"Handle {differ[0]} is the first that differs." if len(differ) else ""

@@ -8,7 +8,7 @@ import numpy as np
 import shapely
 
 from .recount_graphs import Parts, find_arcs
-from .recount_shapes import build_polygons, compare_polygons
+from .recount_regions import build_polygons, find_regions, look_around, share
 
 
 def check_nodes(case, ledger):
@@ -35,13 +35,14 @@ def check_nodes(case, ledger):
         t["critical"] == (eventful[case.block_above] | eventful[case.block_below]),
         "an event above or below",
     )
-    case.polygons, case.broken = build_polygons(case.curves, found.area, region, inner, n)
-    case.open["regions that cross themselves"] = case.broken.sum()
+    drawn = case.drawn_area, case.drawn_perimeter
+    case.regions = find_regions(case.curves, *drawn, found.area, region, inner, n)
+    case.open["regions that cross themselves"] = case.regions.broken.sum()
     outer = np.flatnonzero(~inner)
     body = np.full(n, -1)
     body[region[outer]] = case.body[found.shell[outer]]
     case.entangled |= _share_material(case, outer_level, body)
-    _check_material(case, ledger, t, region, n)
+    _check_material(case, ledger, t)
 
 
 def _share_material(case, level, body):
@@ -50,7 +51,7 @@ def _share_material(case, level, body):
         return False
     runs = np.split(np.argsort(level, kind="stable"), np.cumsum(np.bincount(level))[:-1])
     for run in (run for run in runs if len(np.unique(body[run])) > 1):
-        polygons = case.polygons[run]
+        polygons = build_polygons(case.regions, run)
         one, two = shapely.STRtree(polygons).query(polygons, predicate="intersects")
         apart = (one < two) & (body[run[one]] != body[run[two]])
         one, two = polygons[one[apart]], polygons[two[apart]]
@@ -61,20 +62,17 @@ def _share_material(case, level, body):
     return False
 
 
-def _check_material(case, ledger, t, region, n):
+def _check_material(case, ledger, t):
     points = np.stack([t[k] for k in "xyz"], axis=1) @ case.rotation.T
     ledger.rows(
         "nodes.position", np.abs(points[:, 2] - t["height"]) <= case.noise, "the point is in the plane of its level"
     )
-    flat = shapely.points(points[:, :2])
-    inside = shapely.contains_xy(case.polygons, points[:, :2])
-    clearance = np.full(n, np.inf)
-    np.minimum.at(clearance, region, shapely.distance(case.curves, flat[region]))
+    # the outline is without holes that are mere points or lines
+    inside, clearance, edge = look_around(case.regions, points[:, :2])
     ledger.rows("nodes.inside", inside | (clearance <= case.noise), "the point is inside its region")
     radius = t["inscribed_radius"]
-    edge = shapely.distance(shapely.boundary(case.polygons), flat)  # without holes that are mere points or lines
     room = 1e-9 * clearance + case.noise
-    fits = [np.abs(radius - np.where(inside, np.nan_to_num(d), 0.0)) <= room for d in (clearance, edge)]
+    fits = [np.abs(radius - np.where(inside, d, 0.0)) <= room for d in (clearance, edge)]
     ledger.rows("nodes.inscribed_radius", fits[0] | fits[1], "distance of the point to the region's contours")
 
 
@@ -116,11 +114,12 @@ def check_edges(case, ledger):
 
 
 def _check_similarity(case, ledger, t, source, target):
-    areas = compare_polygons(case.polygons[source], case.polygons[target])
+    area, length, broken = case.regions.area, case.regions.length, case.regions.broken
+    areas = {"area_source": area[source], "area_target": area[target]}
+    areas["area_intersection"] = share(case.regions, source, target)
     areas["area_union"] = areas["area_source"] + areas["area_target"] - areas["area_intersection"]
-    length = shapely.length(case.polygons)
     room = case.noise * (length[source] + length[target] + case.noise)
-    mended = case.broken[source] | case.broken[target]
+    mended = broken[source] | broken[target]
     for name, values in areas.items():
         # overlays of shapes that touch along a line may go either way by a sliver
         slack = room + 1e-7 * np.maximum(areas["area_source"], areas["area_target"]) * (1 + 1e3 * mended)

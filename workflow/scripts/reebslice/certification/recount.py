@@ -13,12 +13,13 @@ crossings there are.
 from typing import NamedTuple
 
 import numpy as np
+from numba import njit
 
 from .recount_cells import find_cells, find_centres
-from .recount_crossings import find_crossings
+from .recount_crossings import enter_ends, find_crossings
 from .recount_surface import copies
 
-CELLS_AT_ONCE = 2_000_000
+CELLS_AT_ONCE = 200_000
 
 
 class Recount(NamedTuple):
@@ -79,19 +80,20 @@ def recount(surface, sides, levels, anchors, doubled):
     anchors : dict of (C,) arrays level, lower, upper; a mesh edge of each
         contour by the surface vertices of its ends
     """
-    below, k = levels["below"], len(levels["below"])
-    place = np.searchsorted(below, np.arange(len(surface.points)), side="right")
+    n, k = len(surface.points), len(levels["below"])
+    place = np.repeat(np.arange(k + 1, dtype=np.int32), np.diff(levels["below"], prepend=0, append=n))
     anchor_side, ambiguous = _find_anchors(surface, sides, place, anchors)
     contours = _Contours(k, len(anchors["level"]), len(sides.lower))
-    for first, last in _runs(place[sides.lower], place[sides.upper], k):
-        crossings = find_crossings(surface, sides, place, levels, doubled, first, last)
-        name = _name_contours(crossings, anchors["level"], anchor_side, ambiguous, contours, first, last)
-        _enter_contours(contours, crossings, name, place[sides.lower], place[sides.upper], first, last)
+    ends = (sides.lower, sides.upper), (surface.corners[:, 0], surface.corners[:, 2])
+    for run in _runs(place, *ends, k, 0):
+        crossings = find_crossings(surface, sides, place, levels, doubled, *run)
+        name = _name_contours(crossings, anchors["level"], anchor_side, ambiguous, contours, *run[:2])
+        _enter_contours(contours, crossings, name, place, sides, *run)
     centre = find_centres(surface.points, surface.corners, surface.shell)
     pieces = _Pieces(len(surface.points), len(anchors["level"]))
-    for first, last in _runs(place[surface.corners[:, 0]], place[surface.corners[:, 2]] + 1, k + 1):
-        cells = find_cells(surface, sides, centre, place, levels["height"], pieces.of_vertex, pieces.count, first, last)
-        _enter_pieces(pieces, cells, sides, anchors["level"], contours.side, first, last)
+    for run in _runs(place, *ends, k + 1, 1):
+        cells = find_cells(surface, sides, place, centre, levels["height"], pieces.of_vertex, pieces.count, *run)
+        _enter_pieces(pieces, cells, sides, anchors["level"], contours.side, *run[:2])
     return Recount(
         contours.n, contours.anchored, contours.n_points, contours.loose, contours.area, contours.perimeter,
         contours.shell, pieces.above, pieces.below, contours.side, *(np.concatenate(part) for part in pieces.columns),
@@ -109,7 +111,7 @@ class _Contours:
         self.area, self.perimeter = np.zeros(n_contours), np.zeros(n_contours)
         self.shell = np.full(n_contours, -1)
         self.side = np.full(n_contours, -1)
-        self.enters, self.leaves = np.full(n_sides, -1), np.full(n_sides, -1)
+        self.enters, self.leaves = (np.full(n_sides, -1, np.int32) for _ in range(2))
 
 
 class _Pieces:
@@ -122,18 +124,42 @@ class _Pieces:
         self.count = 0
 
 
-def _runs(start, stop, n):
-    """Ranges [first, last) of 0..n with at most CELLS_AT_ONCE cells, where one allows it."""
-    rises = np.bincount(start, minlength=n + 1)[: n + 1] - np.bincount(stop, minlength=n + 1)[: n + 1]
-    sizes = np.cumsum(rises)[:n]
-    first, held = 0, 0
-    for k in range(n):
-        if held and held + sizes[k] > CELLS_AT_ONCE:
-            yield first, k
+def _runs(place, side_ends, face_ends, n, more):
+    """Runs of levels, or with `more` of 1 of slabs, of at most CELLS_AT_ONCE cells each, where one allows it.
+
+    Yields (first, last, sides, faces) : first..last-1 of 0..n-1, and the ranges
+    (begin, end) of mesh edges and of faces, both in order of their lower ends,
+    in which all are that meet those. Mesh edges and faces meet what is from
+    the place of their lower end to that of their upper one, less 1 but for `more`.
+    """
+    sizes = _count_open(place, *(face_ends if more else side_ends), n, more)
+    first, held, sides, faces = 0, 0, (0, 0), (0, 0)
+    for k in range(1, n + 1):
+        held += sizes[k - 1]
+        if k == n or held + sizes[k] > CELLS_AT_ONCE:
+            sides, faces = (_window(place, *e, *w, first, k, more) for e, w in ((side_ends, sides), (face_ends, faces)))
+            yield first, k, sides, faces
             first, held = k, 0
-        held += sizes[k]
-    if first < n:
-        yield first, n
+
+
+@njit(cache=True)
+def _count_open(place, lower, upper, n, more):
+    rises = np.zeros(n + 2, np.int64)
+    for i in range(len(lower)):
+        rises[place[lower[i]]] += 1
+        rises[place[upper[i]] + more] -= 1
+    return np.cumsum(rises)
+
+
+@njit(cache=True)
+def _window(place, lower, upper, begin, end, first, last, more):
+    """The range after (begin, end) that holds all that meet first..last-1."""
+    while begin < len(lower) and place[upper[begin]] + more <= first:
+        begin += 1
+    end = max(end, begin)
+    while end < len(lower) and place[lower[end]] < last:
+        end += 1
+    return begin, end
 
 
 def _find_anchors(surface, sides, place, anchors):
@@ -164,25 +190,21 @@ def _name_contours(crossings, level, anchor_side, ambiguous, out, first, last):
     sure = np.array([row not in ambiguous for row in rows.tolist()], bool)
     for row in np.concatenate([rows[sure], rows[~sure]]).tolist():
         for side in ambiguous.get(row, anchor_side[row : row + 1]):
-            found = crossings.part[crossings.start[side] + level[row]]
+            found = crossings.part[crossings.start[side - crossings.origin] + level[row]]
             if name[found] < 0:
                 name[found], out.anchored[row], out.side[row] = row, True, side
                 break
     return name
 
 
-def _enter_contours(out, crossings, name, low, high, first, last):
-    """Enter the contours of a run by their rows.
-
-    low, high : (E,) the first level that a mesh edge meets, and its last one + 1
-    """
+def _enter_contours(out, crossings, name, place, sides, first, last, run_sides, _):
+    """Enter the contours of a run by their rows."""
     out.n[first:last] = np.bincount(crossings.level, minlength=last)[first:last]
     named = np.flatnonzero(name >= 0)
     for column in ("n_points", "loose", "area", "perimeter", "shell"):
         getattr(out, column)[name[named]] = getattr(crossings, column)[named]
-    for ends, level in ((out.enters, high - 1), (out.leaves, low)):
-        here = np.flatnonzero((low < high) & (level >= first) & (level < last))
-        ends[here] = name[crossings.part[crossings.start[here] + level[here]]]
+    found = crossings.start, crossings.part, name
+    enter_ends(place, sides.lower, sides.upper, *found, first, last, run_sides, out.enters, out.leaves)
 
 
 def _enter_pieces(out, cells, sides, level, anchor_side, first, last):
@@ -194,5 +216,5 @@ def _enter_pieces(out, cells, sides, level, anchor_side, first, last):
         column.append(values)
     for ends, slab in ((out.above, level + 1), (out.below, level)):
         rows = np.flatnonzero((anchor_side >= 0) & (slab >= first) & (slab < last))
-        ends[rows] = cells.part[cells.start[sides.faces[anchor_side[rows], 0]] + slab[rows]] + out.count
+        ends[rows] = cells.part[cells.start[sides.faces[anchor_side[rows], 0] - cells.origin] + slab[rows]] + out.count
     out.count += len(cells.slab)

@@ -15,11 +15,13 @@ from .recount_joins import join, number_sets
 class Cells(NamedTuple):
     """The cells in slabs first..last-1, slab s being the one below level s, and the P pieces they make.
 
-    start : (m,) the cell of face f and slab s is start[f] + s
+    origin : the first face that may meet those slabs
+    start : the cell of face f and slab s is start[f - origin] + s
     part : (N,) the piece of each cell. Per piece: `slab`, `shell`, `euler`
     (V - E + F), `area`, `flux`
     """
 
+    origin: int
     start: np.ndarray
     part: np.ndarray
     slab: np.ndarray
@@ -29,21 +31,21 @@ class Cells(NamedTuple):
     flux: np.ndarray
 
 
-def find_cells(surface, sides, centre, place, height, of_vertex, count, first, last):
+def find_cells(surface, sides, place, centre, height, of_vertex, count, first, last, run_sides, run_faces):
     """The :class:`Cells` of a surface in a run of slabs.
 
-    centre : (s, 2) middle of each shell, of :func:`find_centres`; place : (n,)
-    levels below each vertex; height : (K,) of the levels.
+    place : (n,) levels below each vertex; centre : (s, 2) middle of each shell,
+    of :func:`find_centres`; height : (K,) of the levels; the run as
+    :func:`recount._runs` tells it.
     Pieces of the vertices in the run are entered in `of_vertex` (n,), counted
     on from `count`. The flux is the integral over height of the signed area
-    that the cell's level segment sweeps around the middle of its shell; it is
-    quadratic on either side of the middle corner, where Simpson's rule is
-    exact. A face within one horizontal plane counts whole where its middle
-    corner lies.
+    that the cell's level segment sweeps around the middle of its shell. A face
+    within one horizontal plane counts whole where its middle corner lies.
     """
     mesh = surface.points, surface.corners, surface.even, surface.shell, sides.lower, sides.upper, sides.faces
-    bounds = np.concatenate([[-np.inf], height, [np.inf]])
-    return Cells(*_find_cells(*mesh, centre, place, bounds, of_vertex, count, first, last))
+    bounds, vertices = np.concatenate([[-np.inf], height, [np.inf]]), tuple(np.searchsorted(place, (first, last)))
+    run = of_vertex, count, first, last, run_sides, run_faces, vertices
+    return Cells(run_faces[0], *_find_cells(*mesh, place, centre, bounds, *run))
 
 
 @njit(cache=True)
@@ -60,86 +62,88 @@ def find_centres(points, corners, shell):
 
 @njit(cache=True)
 def _find_cells(
-    points, corners, even, shell, lower, upper, faces, centre, place, bounds, of_vertex, count, first, last
-):
-    start, n = np.empty(len(corners), np.int64), 0
-    for f in range(len(corners)):
+    points, corners, even, shell, lower, upper, faces, place, centre, bounds, of_vertex, count, first, last,
+    run_sides, run_faces, vertices,
+):  # fmt: skip
+    origin, end = run_faces
+    start, n = np.empty(end - origin, np.int64), 0
+    for f in range(origin, end):
         low, high = max(place[corners[f, 0]], first), min(place[corners[f, 2]] + 1, last)
-        start[f] = n - low
+        start[f - origin] = n - low
         n += max(high - low, 0)
-    part = np.arange(n)
-    for side in range(len(lower)):
-        one, two = start[faces[side, 0]], start[faces[side, 1]]
-        for s in range(max(place[lower[side]], first), min(place[upper[side]] + 1, last)):
-            join(part, one + s, two + s)
+    part = np.arange(n).astype(np.int32)
+    for side in range(run_sides[0], run_sides[1]):
+        low, high = max(place[lower[side]], first), min(place[upper[side]] + 1, last)
+        if low < high:
+            one, two = start[faces[side, 0] - origin], start[faces[side, 1] - origin]
+            for s in range(low, high):
+                join(part, one + s, two + s)
     n_parts = number_sets(part)
-    slab, shells, euler = np.empty(n_parts, np.int64), np.empty(n_parts, np.int64), np.zeros(n_parts, np.int64)
+    slab, shells, twice = np.empty(n_parts, np.int64), np.empty(n_parts, np.int64), np.zeros(n_parts, np.int64)
     area, flux = np.zeros(n_parts), np.zeros(n_parts)
-    for f in range(len(corners)):
-        a, b, c = _point(points, corners[f, 0]), _point(points, corners[f, 1]), _point(points, corners[f, 2])
-        middle = centre[shell[f], 0], centre[shell[f], 1]
-        for s in range(max(place[corners[f, 0]], first), min(place[corners[f, 2]] + 1, last)):
-            p = part[start[f] + s]
-            share, swept = _measure(a, b, c, middle, bounds[s], bounds[s + 1])
-            if c[2] == a[2] and s == place[corners[f, 1]]:
-                share = 1.0
-            area[p] += share * _area(a, b, c)
-            flux[p] += swept if even[f] else -swept
-            slab[p], shells[p] = s, shell[f]
-            euler[p] += 1
-        for corner in range(3):
-            v = corners[f, corner]
-            if first <= place[v] < last:
-                of_vertex[v] = part[start[f] + place[v]] + count
-    # boundary circles have as many crossings as segments, so they cancel
-    for side in range(len(lower)):
-        for s in range(max(place[lower[side]], first), min(place[upper[side]] + 1, last)):
-            euler[part[start[faces[side, 0]] + s]] -= 1
-    for v in range(len(place)):
-        if first <= place[v] < last and of_vertex[v] >= count:
-            euler[of_vertex[v] - count] += 1
-    return start, part, slab, shells, euler, area, flux
-
-
-@njit(cache=True)
-def _point(points, vertex):
-    """As a tuple, which compiled code keeps in registers."""
-    return points[vertex, 0], points[vertex, 1], points[vertex, 2]
-
-
-@njit(cache=True)
-def _measure(a, b, c, centre, floor, ceiling):
-    """Of a face a, b, c between two heights: its share of the face's area, and its flux were it even."""
-    share, flux, rise = 0.0, 0.0, c[2] - a[2]
-    for low, high, corner in ((a, b, a), (b, c, c)):
-        z0, z1 = max(low[2], floor), min(high[2], ceiling)
-        deep = z1 - z0
-        if deep <= 0.0:
+    for f in range(origin, end):
+        low, middle, high = place[corners[f, 0]], place[corners[f, 1]], place[corners[f, 2]]
+        bottom, top = max(low, first), min(high + 1, last)
+        if bottom >= top:
             continue
-        # the level segment's length in parts of the longest one is linear here
-        share += (_share(z0, corner[2], b[2]) + _share(z1, corner[2], b[2])) * deep / rise
-        swept = _swept(z0, a, b, c, corner, centre) + _swept(z1, a, b, c, corner, centre)
-        flux += deep / 6 * (swept + 4 * _swept((z0 + z1) / 2, a, b, c, corner, centre))
+        low_half, high_half, whole = _halves(points, corners, f, centre[shell[f], 0], centre[shell[f], 1])
+        share, swept = _below(low_half, high_half, bounds[bottom])
+        for s in range(bottom, top):
+            p, share_below, swept_below = part[start[f - origin] + s], share, swept
+            share, swept = _below(low_half, high_half, bounds[s + 1])
+            if low_half[1] + high_half[1] == 0.0:
+                share = share_below + (s == middle)
+            area[p] += (share - share_below) * whole
+            flux[p] += swept - swept_below if even[f] else swept_below - swept
+            slab[p], shells[p] = s, shell[f]
+            # a face, less its sides here, each of which is in two faces: ac in all slabs, ab below b, bc above
+            twice[p] += 2 - 1 - (s <= middle) - (s >= middle)
+        for corner, s in enumerate((low, middle, high)):
+            if first <= s < last:
+                of_vertex[corners[f, corner]] = part[start[f - origin] + s] + count
+    # boundary circles have as many crossings as segments, so they cancel
+    for v in range(vertices[0], vertices[1]):
+        if of_vertex[v] >= count:
+            twice[of_vertex[v] - count] += 2
+    return start, part, slab, shells, twice // 2, area, flux
+
+
+@njit(cache=True)
+def _halves(points, corners, f, x, y):
+    """What :func:`_below` needs of face f below and above its middle corner, and the area of the face.
+
+    Of each half: height of the corner it tapers to, its own height, its share
+    of the face's area, and the coefficients of the area that the level segment
+    sweeps around (x, y): linear and quadratic in the way from that corner.
+    """
+    i, j, k = corners[f, 0], corners[f, 1], corners[f, 2]
+    ax, ay, az = points[i, 0] - x, points[i, 1] - y, points[i, 2]
+    bx, by, bz = points[j, 0] - x, points[j, 1] - y, points[j, 2]
+    cx, cy, cz = points[k, 0] - x, points[k, 1] - y, points[k, 2]
+    rise = cz - az
+    part = (bz - az) / rise if rise > 0.0 else 0.0
+    # from a, or c, to where side ac is as high as b, and to b
+    dx, dy, ex, ey = part * (cx - ax), part * (cy - ay), bx - ax, by - ay
+    low = az, bz - az, part, 0.5 * (ax * (ey - dy) - ay * (ex - dx)), 0.5 * (dx * ey - dy * ex)
+    dx, dy, ex, ey = (1 - part) * (ax - cx), (1 - part) * (ay - cy), bx - cx, by - cy
+    high = cz, cz - bz, 1 - part, 0.5 * (cx * (ey - dy) - cy * (ex - dx)), 0.5 * (dx * ey - dy * ex)
+    ux, uy, uz, vx, vy, vz = bx - ax, by - ay, bz - az, cx - ax, cy - ay, rise
+    area = 0.5 * np.sqrt((uy * vz - uz * vy) ** 2 + (uz * vx - ux * vz) ** 2 + (ux * vy - uy * vx) ** 2)
+    return low, high, area
+
+
+@njit(cache=True)
+def _below(low, high, z):
+    """Of a face the share of its area below height z, and its flux from there down were it even."""
+    share, flux = 0.0, 0.0
+    corner, rise, part, linear, quadratic = low
+    if rise > 0.0:
+        t = min(max((z - corner) / rise, 0.0), 1.0)
+        share += part * t * t
+        flux += rise * t * t * (linear / 2 + quadratic * t / 3)
+    corner, rise, part, linear, quadratic = high
+    if rise > 0.0:
+        t = min(max((corner - z) / rise, 0.0), 1.0)
+        share += part * (1 - t * t)
+        flux += rise * (linear / 2 + quadratic / 3 - t * t * (linear / 2 + quadratic * t / 3))
     return share, flux
-
-
-@njit(cache=True)
-def _share(z, start, end):
-    """How far z is on the way from `start` to `end`, within 0 and 1."""
-    return min(max((z - start) / (end - start), 0.0), 1.0) if end != start else 1.0
-
-
-@njit(cache=True)
-def _swept(z, a, b, c, corner, centre):
-    """Signed area between `centre` and the level segment from side ac to the middle corner's side."""
-    s, t = _share(z, a[2], c[2]), _share(z, corner[2], b[2])
-    px, py = a[0] + s * (c[0] - a[0]) - centre[0], a[1] + s * (c[1] - a[1]) - centre[1]
-    qx, qy = corner[0] + t * (b[0] - corner[0]) - centre[0], corner[1] + t * (b[1] - corner[1]) - centre[1]
-    return 0.5 * (px * qy - py * qx)
-
-
-@njit(cache=True)
-def _area(a, b, c):
-    ux, uy, uz = b[0] - a[0], b[1] - a[1], b[2] - a[2]
-    vx, vy, vz = c[0] - a[0], c[1] - a[1], c[2] - a[2]
-    return 0.5 * np.sqrt((uy * vz - uz * vy) ** 2 + (uz * vx - ux * vz) ** 2 + (ux * vy - uy * vx) ** 2)

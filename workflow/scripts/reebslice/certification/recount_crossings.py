@@ -15,11 +15,13 @@ from .recount_joins import join, number_sets
 class Crossings(NamedTuple):
     """The crossings with levels first..last-1, and the P contours they make.
 
-    start : (E,) the crossing of mesh edge e and level k is start[e] + k
+    origin : the first mesh edge that may meet those levels
+    start : the crossing of mesh edge e and level k is start[e - origin] + k
     part : (N,) the contour of each crossing. Per contour: `level`, `shell`,
     `n_points`, `loose`, signed `area`, `perimeter`
     """
 
+    origin: int
     start: np.ndarray
     part: np.ndarray
     level: np.ndarray
@@ -30,11 +32,27 @@ class Crossings(NamedTuple):
     perimeter: np.ndarray
 
 
-def find_crossings(surface, sides, place, levels, doubled, first, last):
-    """The :class:`Crossings` of a surface with a run of levels; arguments as for `recount.recount`."""
+def find_crossings(surface, sides, place, levels, doubled, first, last, run_sides, run_faces):
+    """The :class:`Crossings` of a surface with a run of levels.
+
+    place : (n,) levels below each vertex; the run as :func:`recount._runs` tells it, others as for `recount.recount`.
+    """
     planes = np.stack([levels[column] for column in ("height", "tie_x", "tie_y")], axis=1)
     mesh = surface.points, surface.corners, surface.even, surface.shell, sides.lower, sides.upper, sides.of_face
-    return Crossings(*_find_crossings(*mesh, place, planes, doubled, first, last))
+    found = _find_crossings(*mesh, place, planes, doubled, first, last, run_sides, run_faces)
+    return Crossings(run_sides[0], *found)
+
+
+@njit(cache=True)
+def enter_ends(place, lower, upper, start, part, name, first, last, run, enters, leaves):
+    """Enter the contours, `name` by part, at the highest and lowest crossing of each mesh edge, if in this run."""
+    for side in range(run[0], run[1]):
+        low, high = place[lower[side]], place[upper[side]]
+        if low < high:
+            if first <= high - 1 < last:
+                enters[side] = name[part[start[side - run[0]] + high - 1]]
+            if first <= low < last:
+                leaves[side] = name[part[start[side - run[0]] + low]]
 
 
 def cross(surface, low, high, height, tie_x, tie_y):
@@ -66,43 +84,49 @@ def _cross(points, low, high, planes, k):
 
 
 @njit(cache=True)
-def _find_crossings(points, corners, even, shell, lower, upper, of_face, place, planes, doubled, first, last):
-    start, n = np.empty(len(lower), np.int64), 0
-    for side in range(len(lower)):
+def _find_crossings(
+    points, corners, even, shell, lower, upper, of_face, place, planes, doubled, first, last, run_sides, run_faces
+):
+    origin, end = run_sides
+    start, n = np.empty(end - origin, np.int64), 0
+    for side in range(origin, end):
         low, high = max(place[lower[side]], first), min(place[upper[side]], last)
-        start[side] = n - low
+        start[side - origin] = n - low
         n += max(high - low, 0)
-    part = np.arange(n)
-    for f in range(len(corners)):
+    part = np.arange(n).astype(np.int32)
+    for f in range(run_faces[0], run_faces[1]):
+        middle, (ab, bc, ac) = place[corners[f, 1]], _numbers(of_face, f, origin)
         for k in range(max(place[corners[f, 0]], first), min(place[corners[f, 2]], last)):
-            join(part, start[of_face[f, 2]] + k, start[_short(corners, of_face, place, f, k)] + k)
+            join(part, start[ac] + k, start[ab if k < middle else bc] + k)  # the longest and one of the others
     count = number_sets(part)
     level, shells = np.empty(count, np.int64), np.empty(count, np.int64)
     n_points, loose = np.zeros(count, np.int64), np.zeros(count, np.int64)
     area, perimeter, centre, spots = np.zeros(count), np.zeros(count), np.empty((count, 2)), np.empty((n, 2))
-    for side in range(len(lower)):
+    for side in range(origin, end):
         for k in range(max(place[lower[side]], first), min(place[upper[side]], last)):
-            c = part[start[side] + k]
+            crossing = start[side - origin] + k
+            c = part[crossing]
             x, y = _cross(points, lower[side], upper[side], planes, k)
-            spots[start[side] + k, 0], spots[start[side] + k, 1] = x, y
+            spots[crossing, 0], spots[crossing, 1] = x, y
             centre[c, 0], centre[c, 1] = x, y  # any point of the contour: no cancellation far from the origin
             level[c] = k
             n_points[c] += 1
             loose[c] += doubled[upper[side]]
-    for f in range(len(corners)):
+    for f in range(run_faces[0], run_faces[1]):
+        middle, (ab, bc, ac) = place[corners[f, 1]], _numbers(of_face, f, origin)
         for k in range(max(place[corners[f, 0]], first), min(place[corners[f, 2]], last)):
-            long, short = start[of_face[f, 2]] + k, start[_short(corners, of_face, place, f, k)] + k
-            c = part[long]
-            p, q = (long, short) if even[f] else (short, long)
+            p, q = start[ac] + k, start[ab if k < middle else bc] + k
+            c = part[p]
             px, py = spots[p, 0] - centre[c, 0], spots[p, 1] - centre[c, 1]
             qx, qy = spots[q, 0] - centre[c, 0], spots[q, 1] - centre[c, 1]
-            area[c] += 0.5 * (px * qy - py * qx)
-            perimeter[c] += np.hypot(qx - px, qy - py)
+            swept = 0.5 * (px * qy - py * qx)
+            area[c] += swept if even[f] else -swept
+            perimeter[c] += np.sqrt((qx - px) * (qx - px) + (qy - py) * (qy - py))
             shells[c] = shell[f]
     return start, part, level, shells, n_points, loose, area, perimeter
 
 
 @njit(cache=True)
-def _short(corners, of_face, place, f, k):
-    """Of face `f` the side, besides its longest, that level `k` meets."""
-    return of_face[f, 0] if place[corners[f, 1]] > k else of_face[f, 1]
+def _numbers(of_face, f, origin):
+    """The mesh edges ab, bc and ac of a face, counted from `origin`."""
+    return of_face[f, 0] - origin, of_face[f, 1] - origin, of_face[f, 2] - origin

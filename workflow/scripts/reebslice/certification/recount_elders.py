@@ -22,17 +22,15 @@ def essential_points(surface, sides, recount=None):
     """
     n = len(surface.points)
     if recount is None:
-        inside, n_contours = np.ones(len(sides.lower), bool), 0
-        enters = leaves = np.full(len(sides.lower), -1)
+        n_contours, enters = 0, np.full(len(sides.lower), -1, np.int32)
+        leaves = enters
     else:
         enters, leaves, n_contours = recount.enters, recount.leaves, len(recount.anchored)
-        inside = enters < 0
-    up = np.where(inside, sides.lower, n + enters), sides.upper
-    down = np.where(inside, sides.upper, n + leaves), sides.lower
-    # Downward, heights are counted from the top; contours keep their numbers.
-    mirrored = np.where(down[0] < n, n - 1 - down[0], down[0]), n - 1 - down[1]
-    pairs = [elder_pairs(*up, n, n_contours), n - 1 - elder_pairs(*mirrored, n, n_contours)]
-    pairs = np.concatenate(pairs)
+    ends = sides.lower, sides.upper
+    pairs = [_elder_pairs(*ends, enters, sides.by_upper, n, n_contours, True)]
+    # mesh edges are in order of their lower ends
+    downward = np.arange(len(sides.lower), dtype=np.int32)[::-1].copy()
+    pairs = np.concatenate([*pairs, _elder_pairs(*ends[::-1], leaves, downward, n, n_contours, False)])
     changes = surface.changes
     count = np.where(changes == 2, 0, np.where(changes == 0, 1, copies(surface)))
     count -= np.bincount(pairs.ravel(), minlength=n)
@@ -45,37 +43,28 @@ def elder_pairs(earlier, later, n, n_contours):
     earlier : vertex, or n + contour for what comes in through a level; later :
     vertex. Contours are older than every vertex and are never paired.
     """
-    return _elder_pairs(np.ascontiguousarray(earlier), np.ascontiguousarray(later), n, n_contours)
+    earlier, later = np.asarray(earlier, np.int32), np.asarray(later, np.int32)
+    gate, order = np.where(earlier >= n, earlier - n, -1), np.argsort(later, kind="stable").astype(np.int32)
+    return _elder_pairs(np.ascontiguousarray(earlier), later.copy(), gate, order, n, n_contours, True)
 
 
 @njit(cache=True)
-def _elder_pairs(earlier, later, n, n_contours):
-    parent = np.arange(n + n_contours)
-    born = np.concatenate((np.arange(n), np.full(n_contours, -1)))
+def _elder_pairs(earlier, later, gate, order, n, n_contours, upward):
+    """The same of links in the `order` of the sweep, upward or down; gate : contour that a link comes in by, or -1.
+
+    Younger roots are joined to older ones, so that a root is the oldest of its tree.
+    """
+    parent = np.arange(n + n_contours).astype(np.int32)
     pairs, count = np.empty((len(later), 2), np.int64), 0
-    for k in _sort_by_vertex(later, n):
+    for k in order:
         v = later[k]
-        a, b = find_root(parent, v), find_root(parent, earlier[k])
+        a, b = find_root(parent, v), find_root(parent, n + gate[k] if gate[k] >= 0 else earlier[k])
         if a == b:
             continue
-        if born[a] < born[b]:
+        if a >= n or (b < n and (a < b) == upward):
             a, b = b, a
-        if born[a] >= 0 and born[a] != v:
-            pairs[count, 0], pairs[count, 1] = born[a], v
+        if a < n and a != v:
+            pairs[count, 0], pairs[count, 1] = a, v
             count += 1
         parent[a] = b
     return pairs[:count].copy()
-
-
-@njit(cache=True)
-def _sort_by_vertex(vertex, n):
-    """Places of `vertex` (k,), each below n, in ascending order: a counting sort."""
-    first = np.zeros(n + 1, np.int64)
-    for v in vertex:
-        first[v + 1] += 1
-    first = np.cumsum(first)
-    order = np.empty(len(vertex), np.int64)
-    for k in range(len(vertex)):
-        order[first[vertex[k]]] = k
-        first[vertex[k]] += 1
-    return order

@@ -78,7 +78,7 @@ def unfold(surface, sides, below, rings_at, noise):
     rank = np.empty(len(place), np.int64)
     rank[place] = np.arange(len(place))
     old = np.array(origin)[place]
-    split = sort_corners(surface.points[old], surface.origin[old], rank[np.array(faces)], np.array(shell))
+    split = sort_corners(surface.points[old], surface.origin[old], rank, np.array(faces), np.array(shell))
     return split, _below_of_split(surface, below, old, folded), odd
 
 

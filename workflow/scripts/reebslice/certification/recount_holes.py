@@ -11,16 +11,15 @@ from numba import njit
 
 
 class Nest:
-    """The contours and what is known of them: (C,) closed curves, signed area, its error, level.
+    """The contours and what is known of them: closed curves, their boxes, signed area, its error, level.
 
     noise : how far a curve may be from its contour; exact : what tells of the
     contours in exact numbers, :class:`recount_exact.ExactLevels`
     """
 
-    def __init__(self, curves, area, slack, level, noise, exact):
+    def __init__(self, curves, boxes, area, slack, level, noise, exact):
         self.curves, self.level, self.noise, self.exact = curves, level, noise, exact
         self.size, self.slack = np.abs(area), slack
-        boxes = shapely.bounds(curves)
         order = np.lexsort((boxes[:, 0], level))
         one, other = _find_near(order, boxes, level, self.size, slack, noise)
         order = np.lexsort((other, self.size[other], one))
@@ -28,8 +27,6 @@ class Nest:
         starts = np.flatnonzero(np.diff(one, prepend=-1))
         # of each contour those of its level that may be around it or cross it, the smallest first
         self.near = {k: run.tolist() for k, run in zip(one[starts].tolist(), np.split(other, starts[1:]))}
-        self.points = shapely.get_coordinates(curves)
-        self.first = np.concatenate([[0], np.cumsum(shapely.get_num_coordinates(curves))])
         self.shares = {}
 
     def innermost(self, contour, members):
@@ -47,13 +44,14 @@ class Nest:
     def most(self, hole, members):
         """The member that holds most of a hole that crosses them, of equal ones the smallest."""
         members = sorted(members, key=self.size.__getitem__)
-        shares = [_area_share(self.curves[hole], _polygon(self.curves[other])) for other in members]
+        hole, *others = self.curves.lines([hole, *members])
+        shares = [_area_share(hole, _polygon(other)) for other in others]
         return members[int(np.argmax(shares))]
 
     def _share(self, contour, other):
         """Share of a contour inside another: of its points further from that than rounding, or in exact numbers."""
         if (contour, other) not in self.shares:
-            inside, clear = _count_inside(self.points, self.first, contour, other, 2 * self.noise)
+            inside, clear = _count_inside(*self.curves, contour, other, 2 * self.noise)
             share = inside / clear if clear else float(self.exact.winds_around(other, contour))
             self.shares[contour, other] = share
         return self.shares[contour, other]

@@ -6,7 +6,7 @@ from numba import njit
 
 @njit(cache=True)
 def find_root(parent, i):
-    """The root of `i` in trees of parents (n,) int64; ways up are halved as they are walked."""
+    """The root of `i` in trees of parents (n,) of whole numbers; ways up are halved as they are walked."""
     while parent[i] != i:
         parent[i] = parent[parent[i]]
         i = parent[i]
@@ -50,4 +50,4 @@ def find_components(one, two, n):
     for ends in (one, two):
         if len(ends) and not (0 <= np.min(ends) and np.max(ends) < n):
             raise ValueError("a link to what is not there")
-    return _components(np.ascontiguousarray(one, np.int64), np.ascontiguousarray(two, np.int64), n)
+    return _components(np.ascontiguousarray(one, np.int32), np.ascontiguousarray(two, np.int32), n)

@@ -23,7 +23,7 @@ def check_holes(case, ledger):
     ledger.rows("contours.inner", ~certain | (inner == (found.area < 0)), "a hole is a contour of negative area")
     _check_chains(case, ledger, inner, certain)
     body = case.body[found.shell]
-    nest = Nest(case.curves, found.area, slack, t["level"].astype(np.int64), case.noise, case.exact)
+    nest = Nest(case.curves, case.boxes, found.area, slack, t["level"].astype(np.int64), case.noise, case.exact)
     host, is_open = find_hosts(nest, inner, body)
     _check_regions(case, ledger, inner, host)
     case.open["holes between two regions"] = is_open.sum()
@@ -159,7 +159,7 @@ def _piece_of_crossed(case, face, slab):
         case.surface, np.array([low]), np.array([high]), *(case.levels[k][[slab]] for k in ("height", "tie_x", "tie_y"))
     )
     here = np.flatnonzero((level == slab) & (case.recount.shell == case.surface.shell[face]))
-    return int(case.above[here[np.argmin(shapely.distance(case.curves[here], shapely.points(spot)[0]))]])
+    return int(case.above[here[np.argmin(shapely.distance(case.curves.lines(here), shapely.points(spot)[0]))]])
 
 
 def _check_open_holes(case, ledger, found):
@@ -169,7 +169,8 @@ def _check_open_holes(case, ledger, found):
     for hole in np.flatnonzero(case.open_holes).tolist():
         same = (contours["level"] == contours["level"][hole]) & (case.body[found.shell] == case.body[found.shell[hole]])
         outers = np.flatnonzero(same & ~np.asarray(contours["inner"], bool))
-        outers = [c for c in outers.tolist() if _distance(case.curves[c], case.curves[hole]) <= case.noise]
+        curve, *around = case.curves.lines([hole, *outers])
+        outers = [c for c, ring in zip(outers.tolist(), around) if _distance(ring, curve) <= case.noise]
         blocks = {(int(case.block_above[r]), int(case.block_below[r])) for r in contours["region"][outers].tolist()}
         alternatives += len(blocks) > 1
     ledger.enter("holes_that_rounding_leaves_open", alternatives, 0)

@@ -5,14 +5,13 @@ its findings in; what it recomputes it leaves in the case for later checks.
 """
 
 import numpy as np
-import shapely
 
 from .recount import count_below, recount
 from .recount_crossings import cross
+from .recount_curves import measure_curves, pass_spots, read_curves
 from .recount_elders import essential_points
 from .recount_exact import ExactLevels
 from .recount_folds import unfold
-from .recount_shapes import measure_curves, read_curves
 from .recount_surface import copies, find_sides
 
 ELEMENTARY = {(1, 1): "cylinder", (0, 1): "birth", (1, 0): "death", (2, 1): "join", (1, 2): "split"}
@@ -50,8 +49,8 @@ def _check_uniform(case, ledger, height, plain):
 def check_contours(case, ledger):
     """One contour per component of crossings, no more and no fewer."""
     t = case.columns.contours
-    case.curves = read_curves(t["geometry"])
-    drawn = shapely.get_num_points(case.curves) > 0
+    case.curves, drawn = case.read_curves or read_curves(t["geometry"].chunks)
+    drawn = drawn if len(drawn) == len(t["contour"]) else np.zeros(len(t["contour"]), bool)
     ledger.rows("contours.geometry", drawn, "a closed line string in the plane")
     if not drawn.all():
         return
@@ -61,7 +60,7 @@ def check_contours(case, ledger):
 
     def rings_at(level):
         here = np.flatnonzero(t["level"] == level)
-        return case.curves[here], [tuple(pair) for pair in ends[here].tolist()]
+        return case.curves.lines(here), [tuple(pair) for pair in ends[here].tolist()]
 
     split, below, odd = unfold(case.surface, case.sides, case.levels["below"], rings_at, case.noise)
     ledger.enter("saddles_that_no_unfolding_fits", len(odd), 0)
@@ -85,7 +84,8 @@ def check_curves(case, ledger):
     """Curves, areas and perimeters are those of the mesh at the level."""
     t, found = case.columns.contours, case.recount
     ledger.rows("contours.height", t["height"] == case.levels["height"][t["level"]], "height of the level")
-    area, perimeter, case.centres = measure_curves(case.curves)
+    area, perimeter, case.centres, case.boxes = measure_curves(*case.curves)
+    case.drawn_area, case.drawn_perimeter = area, perimeter
     slack = case.noise * (found.perimeter + case.noise)
     for name, values, mesh in (("signed_area", area, found.area), ("perimeter", perimeter, found.perimeter)):
         room = slack + 1e-9 * np.abs(mesh) if name == "signed_area" else 1e-9 * mesh + case.noise * found.n_points
@@ -111,9 +111,9 @@ def _check_positions(case, ledger, t):
     rank[case.surface.origin] = np.arange(len(rank))
     low, high, level = rank[t["lower_vertex"]], rank[t["upper_vertex"]], t["level"]
     spots = cross(case.surface, low, high, *(case.levels[k][level] for k in ("height", "tie_x", "tie_y")))
-    far = shapely.distance(case.curves, shapely.points(spots))
     single = low != high
-    ledger.rows("contours.position", ~single | (far <= case.noise), "the curve passes its anchor")
+    passes = pass_spots(*case.curves, spots, case.noise)
+    ledger.rows("contours.position", ~single | passes, "the curve passes its anchor")
 
 
 def check_pieces(case, ledger):

@@ -8,17 +8,17 @@ import numpy as np
 
 from .recount_joins import find_components
 from .recount_nesting import find_around, find_body, find_parent
-from .recount_surface import count_links, find_sides, measure_shells, rank_surface, rotate
+from .recount_surface import count_links, find_sides, least_rise, measure_shells, rank_surface, rotate
 
 
 def check_mesh(case, ledger):
     """The surface is closed and oriented, and its shells are as the table says."""
     t = case.columns
     points = np.stack([t.vertices[axis] for axis in "xyz"], axis=1)
-    faces = np.stack([t.faces[corner] for corner in "abc"], axis=1).astype(np.int64)
+    faces = np.stack([t.faces[corner] for corner in "abc"], axis=1)
     case.rotation = np.asarray(case.tilt["rotation"], float)
     case.tilted = rotate(points, case.rotation)
-    case.surface = rank_surface(case.tilted, faces, t.faces["shell"].astype(np.int64))
+    case.surface = rank_surface(case.tilted, faces, t.faces["shell"])
     case.sides = find_sides(case.surface)
     case.model, case.faces = points, faces
     ledger.enter("surface_is_closed_and_oriented", case.sides is not None, True)
@@ -42,14 +42,14 @@ def _check_shells(case, ledger):
     t, faces, n = case.columns, case.faces, len(case.model)
     count = len(t.shells["shell"])
     n_parts, part = find_components(case.sides.lower, case.sides.upper, n)
-    shell = case.surface.shell
+    shell = t.faces["shell"]  # in the order of `faces`
     case.n_shells = count
     case.shell_of_vertex = np.zeros(n, np.int64)
     case.shell_of_vertex[faces] = shell[:, None]
     shell_of_part = np.zeros(n_parts, np.int64)
     shell_of_part[part] = case.shell_of_vertex[case.surface.origin]
     same = n_parts == count == len(np.unique(shell_of_part))
-    same = same and bool((shell_of_part[part[case.surface.corners[:, 0]]] == shell).all())
+    same = same and bool((shell_of_part[part[case.surface.corners[:, 0]]] == case.surface.shell).all())
     ledger.enter("shells_are_components", same, True)
     n_vertices = np.bincount(case.shell_of_vertex, minlength=count)
     n_faces = np.bincount(shell, minlength=count)
@@ -113,8 +113,7 @@ def check_tilt(case, ledger):
     ledger.close("tilt.rotation_is_proper", np.linalg.det(rotation), 1.0, 1e-12)
     angle = np.degrees(np.arctan2(np.hypot(*direction[:2]), direction[2]))
     ledger.close("tilt.angle", float(case.tilt.get("angle", np.nan)), angle, 1e-6)
-    z = case.surface.points[:, 2]
-    case.least_rise = float((z[case.sides.upper] - z[case.sides.lower]).min())
+    case.least_rise = float(least_rise(case.surface.points, case.sides.lower, case.sides.upper))
     _check_morse(case, ledger, direction)
 
 

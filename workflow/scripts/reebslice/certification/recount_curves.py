@@ -1,0 +1,132 @@
+"""The curves of the contours as one array of points, and what is measured along them."""
+
+from typing import NamedTuple
+
+import numpy as np
+import shapely
+from numba import njit
+
+# Of a plain line string as well-known binary: little-endian, its type, the number of points, then the points.
+HEAD = np.frombuffer(b"\x01\x02\x00\x00\x00", np.uint8)
+START, POINT = 9, 16
+
+
+class Curves(NamedTuple):
+    """C closed curves: points (N, 2), and where each begins, first (C + 1,); each ends where it began."""
+
+    points: np.ndarray
+    first: np.ndarray
+
+    def pick(self, rows):
+        """The points of some of the curves, and of each point the place of its curve in `rows`."""
+        sizes = self.first[rows + 1] - self.first[rows]
+        if len(rows) and (np.diff(rows) == 1).all():
+            return self.points[self.first[rows[0]] : self.first[rows[-1] + 1]], np.repeat(np.arange(len(rows)), sizes)
+        index = np.repeat(np.arange(len(rows)), sizes)
+        return self.points[np.arange(len(index)) + (self.first[rows] - np.cumsum(sizes) + sizes)[index]], index
+
+    def lines(self, rows):
+        """Some of the curves as shapely has them."""
+        points, index = self.pick(np.asarray(rows, np.int64))
+        return shapely.linestrings(points, indices=index)
+
+
+def read_curves(blocks):
+    """The :class:`Curves` of pyarrow arrays of well-known binary, one after the other, and which are drawn (C,) bool.
+
+    That is, which are line strings in the plane, little-endian, of at least
+    two points, finite and closed. The others have no points.
+    """
+    points, counts, drawn = np.empty(0), [np.empty(0, np.int64)], [np.empty(0, bool)]
+    for block in blocks:
+        # where each value begins and the last one ends
+        offsets = np.frombuffer(block.buffers()[1], np.int32)[block.offset : block.offset + len(block) + 1]
+        sizes = np.diff(offsets)
+        counts.append(np.where((sizes >= START + 2 * POINT) & (sizes % POINT == START), (sizes - START) // POINT, 0))
+        drawn.append(counts[-1] > 0)
+        begin = len(points)
+        points.resize(begin + 2 * counts[-1].sum(), refcheck=False)  # in place, as far as the system can
+        data = np.frombuffer(block.buffers()[2] or b"", np.uint8)
+        _copy_points(data, offsets, counts[-1], points[begin:].view(np.uint8), drawn[-1])
+    first = np.concatenate([[0], np.cumsum(np.concatenate(counts))])
+    points = points.reshape(-1, 2)
+    return Curves(points, first), np.concatenate(drawn) & _are_closed(points, first)
+
+
+@njit(cache=True)
+def _copy_points(data, offsets, counts, out, drawn):
+    """Bytes of the points to `out`; not drawn is what has another head or another number of points."""
+    end = 0
+    for row in range(len(counts)):
+        begin, count = offsets[row], counts[row]
+        if count == 0:
+            continue
+        stated = 0
+        for k in range(4):
+            stated += np.int64(data[begin + len(HEAD) + k]) << (8 * k)
+        drawn[row] = stated == count
+        for k in range(len(HEAD)):
+            drawn[row] &= data[begin + k] == HEAD[k]
+        out[end : end + POINT * count] = data[begin + START : offsets[row + 1]]
+        end += POINT * count
+
+
+@njit(cache=True)
+def _are_closed(points, first):
+    closed = np.zeros(len(first) - 1, np.bool_)
+    for c in range(len(closed)):
+        begin, end = first[c], first[c + 1] - 1
+        total = 0.0
+        for k in range(begin, end + 1):
+            total += 0.0 * points[k, 0] * points[k, 1]  # not a number if either is infinite or none
+        same = end > begin and points[begin, 0] == points[end, 0] and points[begin, 1] == points[end, 1]
+        closed[c] = same and total == 0.0
+    return closed
+
+
+@njit(cache=True)
+def measure_curves(points, first):
+    """Signed area and perimeter, two (C,), centre of gravity (C, 2) and box (C, 4) of closed curves."""
+    n = len(first) - 1
+    area, perimeter, centre, boxes = np.zeros(n), np.zeros(n), np.zeros((n, 2)), np.zeros((n, 4))
+    for c in range(n):
+        x, y = points[first[c], 0], points[first[c], 1]  # seen from here, nothing cancels far from the origin
+        low_x, low_y, high_x, high_y, total, length, mx, my = x, y, x, y, 0.0, 0.0, 0.0, 0.0
+        for k in range(first[c], first[c + 1] - 1):
+            low_x, high_x = min(low_x, points[k, 0]), max(high_x, points[k, 0])
+            low_y, high_y = min(low_y, points[k, 1]), max(high_y, points[k, 1])
+            px, py, qx, qy = points[k, 0] - x, points[k, 1] - y, points[k + 1, 0] - x, points[k + 1, 1] - y
+            step = np.hypot(qx - px, qy - py)
+            total += 0.5 * (px * qy - py * qx)
+            length += step
+            mx += step * (px + qx) / 2
+            my += step * (py + qy) / 2
+        whole = length if length > 0 else 1.0
+        area[c], perimeter[c] = total, length
+        centre[c, 0], centre[c, 1] = x + mx / whole, y + my / whole
+        boxes[c, 0], boxes[c, 1], boxes[c, 2], boxes[c, 3] = low_x, low_y, high_x, high_y
+    return area, perimeter, centre, boxes
+
+
+@njit(cache=True)
+def distance_between(px, py, qx, qy):
+    """From the origin to the segment from (px, py) to (qx, qy)."""
+    dx, dy = qx - px, qy - py
+    length = dx * dx + dy * dy
+    share = min(max(-(px * dx + py * dy) / length, 0.0), 1.0) if length > 0 else 0.0
+    return np.hypot(px + share * dx, py + share * dy)
+
+
+@njit(cache=True)
+def pass_spots(points, first, spots, room):
+    """Whether each curve comes as near as `room` to its spot (C, 2): (C,) bool."""
+    passes = np.zeros(len(spots), np.bool_)
+    for c in range(len(spots)):
+        x, y = spots[c, 0], spots[c, 1]
+        for k in range(first[c], first[c + 1] - 1):
+            px, py, qx, qy = points[k, 0] - x, points[k, 1] - y, points[k + 1, 0] - x, points[k + 1, 1] - y
+            apart = min(px, qx) > room or max(px, qx) < -room or min(py, qy) > room or max(py, qy) < -room
+            if not apart and distance_between(px, py, qx, qy) <= room:
+                passes[c] = True
+                break
+    return passes
