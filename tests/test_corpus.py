@@ -1,6 +1,8 @@
 """Discovery, batches, digests of code, and a batch of models that go well and badly."""
 
 import os
+import subprocess
+import sys
 from pathlib import Path
 
 import pyarrow as pa
@@ -137,6 +139,12 @@ def test_predicted_resources_grow_with_the_meshes():
     assert corpus.predict_memory(models, ["huge"]) > 2 * corpus.predict_memory(models, ["model00000", "model00001"])
     few, many = (corpus.predict_minutes(some_models(count), some_models(count)) for count in (1, 1000))
     assert few < 15 and many > 30
+
+
+def test_the_work_of_batches_adds_up():
+    models = some_models(9, size=corpus.SMALL_MESH)
+    assert corpus.predict_work(models, models) == 18
+    assert corpus.predict_work(models, list(models)[:4]) + corpus.predict_work(models, list(models)[4:]) == 18
 
 
 def test_a_mesh_replaced_by_an_older_file_is_noticed():
@@ -367,3 +375,30 @@ def test_the_table_of_models_does_not_depend_on_the_batches():
     assert one["mixed"].to_pylist() == [None, None, "3", "much"]
     assert one["open"].to_pylist() == [True, None, None, False]
     assert one["note"].to_pylist() == [None] * 4
+
+
+def test_long_groups_and_lists_of_figures_are_left_out():
+    facts = {"short": list(range(8)), "long": list(range(9)), "many": dict.fromkeys("abcdefghi", 1), "nested": [[1]]}
+    write_json(MODELS_FOLDER / "a" / "certificate.json", facts)
+    names = models_of(("x", "a")).column_names
+    assert [name for name in names if name.startswith(("short", "long", "many", "nested"))] == [
+        f"short_{number}" for number in range(8)
+    ]
+
+
+# What a job asks of its process
+
+
+def test_a_light_process_makes_tables_without_pandas_and_can_still_load_it():
+    """In a process of its own: pyarrow asks once for pandas, and keeps to what it finds."""
+    script = """
+import sys
+import numpy as np, pyarrow as pa
+from surroundings import lighten
+lighten()
+table = pa.table({"a": pa.array(np.arange(3)), "b": pa.array(["x", None, "z"])})
+assert table["a"].to_numpy().tolist() == [0, 1, 2] and table.to_pylist()[1] == {"a": 1, "b": None}
+assert "pandas" not in sys.modules
+import pandas
+"""
+    subprocess.run([sys.executable, "-c", script], check=True, env=os.environ | {"PYTHONPATH": str(SCRIPTS)})

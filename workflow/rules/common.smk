@@ -93,6 +93,16 @@ def runtime_of(wildcards, attempt):
     return int(corpus.predict_minutes(MODELS, BATCHES[wildcards.batch]) * attempt)
 
 
+def priority_at(stage):
+    """Function that tells a batch's priority at this stage: about the work left of it.
+
+    So all batches end at about the same time. In any order, one begun last
+    goes through its stages alone while other cores have nothing to do.
+    """
+    left = len(STAGES) - STAGES.index(stage) + 1  # the last stages, which take the longest, count as one more
+    return lambda wildcards: left * corpus.predict_work(MODELS, BATCHES[wildcards.batch])
+
+
 def last_status_tables():
     """Status tables of the last stage; those of the stages before stand behind them."""
     return [f"results/status/{STAGES[-1]}/{batch}.parquet" for batch in BATCHES]

@@ -22,6 +22,7 @@ rule inspect_mesh:
         "results/logs/inspect_mesh/{batch}.log",
     benchmark:
         "results/benchmarks/inspect_mesh/{batch}.tsv"
+    priority: priority_at("inspect_mesh")
     resources:
         mem_mb=memory_of,
         runtime=runtime_of,
@@ -43,6 +44,7 @@ rule select_tilt:
         "results/logs/select_tilt/{batch}.log",
     benchmark:
         "results/benchmarks/select_tilt/{batch}.tsv"
+    priority: priority_at("select_tilt")
     resources:
         mem_mb=memory_of,
         runtime=runtime_of,
@@ -64,6 +66,7 @@ rule slice_mesh:
         "results/logs/slice_mesh/{batch}.log",
     benchmark:
         "results/benchmarks/slice_mesh/{batch}.tsv"
+    priority: priority_at("slice_mesh")
     resources:
         mem_mb=memory_of,
         runtime=runtime_of,
@@ -86,6 +89,7 @@ rule classify_handles:
         "results/logs/classify_handles/{batch}.log",
     benchmark:
         "results/benchmarks/classify_handles/{batch}.tsv"
+    priority: priority_at("classify_handles")
     resources:
         mem_mb=memory_of,
         runtime=runtime_of,
@@ -107,6 +111,7 @@ rule sample_nodes:
         "results/logs/sample_nodes/{batch}.log",
     benchmark:
         "results/benchmarks/sample_nodes/{batch}.tsv"
+    priority: priority_at("sample_nodes")
     resources:
         mem_mb=memory_of,
         runtime=runtime_of,
@@ -128,6 +133,7 @@ rule synthesize_edges:
         "results/logs/synthesize_edges/{batch}.log",
     benchmark:
         "results/benchmarks/synthesize_edges/{batch}.tsv"
+    priority: priority_at("synthesize_edges")
     resources:
         mem_mb=memory_of,
         runtime=runtime_of,
@@ -149,6 +155,7 @@ rule certify:
         "results/logs/certify/{batch}.log",
     benchmark:
         "results/benchmarks/certify/{batch}.tsv"
+    priority: priority_at("certify")
     resources:
         mem_mb=memory_of,
         runtime=runtime_of,
@@ -169,6 +176,7 @@ rule draw:
         "results/logs/draw/{batch}.log",
     benchmark:
         "results/benchmarks/draw/{batch}.tsv"
+    priority: priority_at("draw")
     resources:
         mem_mb=memory_of,
         runtime=runtime_of,

@@ -16,7 +16,6 @@ import hashlib
 import json
 import os
 import shutil
-import sys
 import time
 import traceback
 from pathlib import Path
@@ -25,6 +24,7 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 
 from storage import content_key, read_json, write_json, write_parquet
+from surroundings import lighten, peak_memory_mb, print_into, reset_peak_memory
 
 STAGES = (
     "inspect_mesh",
@@ -71,6 +71,7 @@ def run_batch(snakemake, main, outputs):
     """
     stage, parameters = snakemake.rule, snakemake.params
     print_into(snakemake.log[0])
+    lighten()
     if "status" in snakemake.input.keys():
         rows = read_status(snakemake.input.status)
     else:
@@ -158,22 +159,30 @@ def _valid_receipt(folder, stage, key, outputs):
 
     A failure is no result, so it is tried again.
     """
-    try:
-        receipt = read_json(folder / receipt_name(stage))
-    except (OSError, ValueError):
+    receipt = _read_receipt(folder, stage)
+    if receipt is None or receipt["key"] != key or receipt["status"] == "failed":
         return None
     promised = outputs if receipt["status"] == "ok" else receipt["outputs"]
-    holds = receipt["key"] == key and receipt["status"] != "failed"
-    return receipt if holds and all((folder / name).is_file() for name in promised) else None
+    return receipt if all((folder / name).is_file() for name in promised) else None
+
+
+def _read_receipt(folder, stage):
+    """Return the receipt of a stage in a model's folder, or None when there is none that can be read."""
+    try:
+        return read_json(folder / receipt_name(stage))
+    except (OSError, ValueError):
+        return None
 
 
 def _compute(stage, source, folder, main, outputs, options, key):
-    """Run the stage into a scratch folder, move the outputs in and return the receipt."""
-    scratch = folder / f".{stage}.scratch"
-    shutil.rmtree(scratch, ignore_errors=True)
-    scratch.mkdir(parents=True)
-    _reset_peak_memory()
+    """Run the stage into a scratch folder, move the outputs in and return the receipt.
+
+    Its seconds are those of all that the model causes in this stage: reading,
+    computing, writing and moving in, all but the receipt itself, which tells them.
+    """
     start = time.perf_counter()
+    scratch = _make_scratch(folder / f".{stage}.scratch")
+    reset_peak_memory()
     status, reason = "ok", ""
     try:
         with content_key(key):
@@ -187,13 +196,24 @@ def _compute(stage, source, folder, main, outputs, options, key):
     receipt = {
         "key": key,
         "outputs": _kept(scratch, outputs, status),
-        "peak_memory_mb": _peak_memory_mb(),
+        "peak_memory_mb": peak_memory_mb(),
         "reason": reason,
-        "seconds": round(time.perf_counter() - start, 4),
         "status": status,
     }
     _move_in(stage, scratch, folder, outputs, receipt)
+    receipt["seconds"] = round(time.perf_counter() - start, 4)
+    write_json(folder / receipt_name(stage), receipt)
     return receipt
+
+
+def _make_scratch(scratch):
+    """Make an empty folder at the path `scratch`, whatever a run that was killed left there; return the path."""
+    try:
+        scratch.mkdir(parents=True)
+    except FileExistsError:
+        shutil.rmtree(scratch)
+        scratch.mkdir()
+    return scratch
 
 
 def _check_written(scratch, outputs):
@@ -210,74 +230,34 @@ def _kept(scratch, outputs, status):
 
 
 def _move_in(stage, scratch, folder, outputs, receipt):
-    """Replace the model's files of this stage, receipt last.
+    """Replace the model's files of this stage; its receipt is to be written last.
 
     When the content changes, what later stages made of the old one goes
     first: a model's folder never holds the results of two runs.
     """
-    if _receipt_key(folder, stage) != receipt["key"] or receipt["status"] != "ok":
+    present = set(os.listdir(folder))
+    if receipt_name(stage) not in present or _receipt_key(folder, stage) != receipt["key"] or receipt["status"] != "ok":
         for later in STAGES[STAGES.index(stage) + 1 :] if stage in STAGES else ():
-            _withdraw(folder, later)
-    _withdraw(folder, stage, outputs)
+            if receipt_name(later) in present:
+                _withdraw(folder, later)
+    if not present.isdisjoint({receipt_name(stage), *outputs}):
+        _withdraw(folder, stage, outputs)
     for name in receipt["outputs"]:
         os.replace(scratch / name, folder / name)
     shutil.rmtree(scratch)
-    write_json(folder / receipt_name(stage), receipt)
 
 
 def _receipt_key(folder, stage):
-    try:
-        return read_json(folder / receipt_name(stage))["key"]
-    except (OSError, ValueError, KeyError):
-        return None
+    return (_read_receipt(folder, stage) or {}).get("key")
 
 
 def _withdraw(folder, stage, outputs=()):
     """Remove a stage's receipt, then the outputs that it lists and those given."""
-    path = folder / receipt_name(stage)
-    try:
-        outputs = {*outputs, *read_json(path)["outputs"]}
-    except (OSError, ValueError, KeyError):
-        pass
-    path.unlink(missing_ok=True)
-    for name in outputs:
+    listed = (_read_receipt(folder, stage) or {}).get("outputs", ())
+    (folder / receipt_name(stage)).unlink(missing_ok=True)
+    for name in {*outputs, *listed}:
         (folder / name).unlink(missing_ok=True)
-
-
-# --------------------------------------------------------------------------
-# Log and memory
 
 
 def _one_line(text):
     return " ".join(text.split())[:500]
-
-
-def print_into(log):
-    """Send everything printed from here on, by C libraries too, to the file `log`."""
-    Path(log).parent.mkdir(parents=True, exist_ok=True)
-    sys.stdout.flush()
-    sys.stderr.flush()
-    file = os.open(log, os.O_WRONLY | os.O_CREAT | os.O_TRUNC, 0o644)
-    os.dup2(file, 1)
-    os.dup2(file, 2)
-    os.close(file)
-
-
-def _reset_peak_memory():
-    """Start the peak anew for this model, where the system can (Linux)."""
-    try:
-        Path("/proc/self/clear_refs").write_text("5")
-    except OSError:
-        pass
-
-
-def _peak_memory_mb():
-    """Return the peak resident memory in MB since the last reset, or of the process."""
-    try:
-        lines = Path("/proc/self/status").read_text().splitlines()
-        return next(int(line.split()[1]) / 1024 for line in lines if line.startswith("VmHWM"))
-    except (OSError, StopIteration):
-        import resource
-
-        peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
-        return peak / (2**20 if sys.platform == "darwin" else 1024)

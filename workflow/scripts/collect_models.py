@@ -7,14 +7,16 @@ of every stage.
 
 import re
 from collections import Counter
+from functools import cache
 from pathlib import Path
 
 import pyarrow as pa
 import pyarrow.compute as pc
 import pyarrow.parquet as pq
 
-from batches import MODELS_FOLDER, STAGES, print_into, read_status
+from batches import MODELS_FOLDER, STAGES, read_status
 from storage import read_json, write_parquet
+from surroundings import lighten, print_into
 
 FIGURES = ("inspection.json", "sampling.json", "certificate.json")  # of one name, the later file's figure counts
 FIRST = ("model", "path", "status", "reason", "verdict")
@@ -78,12 +80,17 @@ def _scalars(facts):
     figures = {}
     for name, value in facts.items():
         if isinstance(value, (dict, list)):
-            entries = dict(value if isinstance(value, dict) else enumerate(value))
+            entries = value if isinstance(value, dict) else dict(enumerate(value[: LONGEST + 1]))
             if len(entries) <= LONGEST and not any(isinstance(entry, (dict, list)) for entry in entries.values()):
                 figures |= {f"{name}_{key}": entry for key, entry in entries.items()}
         else:
             figures[name] = value
-    return {re.sub(r"\W+", "_", name): value for name, value in figures.items()}
+    return {_plain_name(name): value for name, value in figures.items()}
+
+
+@cache
+def _plain_name(name):
+    return re.sub(r"\W+", "_", name)
 
 
 def _make_table(rows):
@@ -123,4 +130,5 @@ def _common_type(types):
 
 if "snakemake" in globals():
     print_into(snakemake.log[0])
+    lighten()
     write_parquet(snakemake.output.table, main(snakemake.input))

@@ -4,10 +4,11 @@ from pathlib import Path
 
 import pyarrow as pa
 
-from batches import MODELS_FOLDER, print_into, read_status
+from batches import MODELS_FOLDER, read_status
 from reebslice.charts import draw_comparison
 from reebslice.comparison import EVERY, rates
 from storage import read_table, write_table
+from surroundings import print_into
 
 
 def main(tables):

@@ -193,6 +193,11 @@ def _split_by_prefix(prefix, places, work, limit):
         yield from _split_by_prefix(longer, [place for place in places if place.startswith(longer)], work, limit)
 
 
+def predict_work(models, members):
+    """Return about how much work a batch is, as a multiple of that of the smallest mesh."""
+    return sum(_work(models[model]) for model in members)
+
+
 def predict_memory(models, members):
     """Return the memory in MB for any stage of a batch: what the libraries take, and a share by its largest mesh."""
     return 600 + 30 * max(models[model].size for model in members) / 2**20
@@ -200,7 +205,7 @@ def predict_memory(models, members):
 
 def predict_minutes(models, members):
     """Return the minutes that suffice for any stage of a batch on a slow machine, compiling included."""
-    return 10 + sum(_work(models[model]) for model in members) / 30
+    return 10 + predict_work(models, members) / 30
 
 
 def describe_meshes(models, members):

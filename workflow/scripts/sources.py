@@ -3,6 +3,7 @@
 import ast
 import hashlib
 import os
+from functools import cache
 from pathlib import Path
 
 
@@ -23,21 +24,23 @@ def find_sources(script):
         path = waiting.pop()
         if path not in found:
             found.add(path)
-            waiting += [source for module in _imports(path, root) for source in _locate(module, root)]
+            package = path.relative_to(root).parent.parts
+            waiting += [source for module in _imports(path.read_bytes(), package) for source in _locate(module, root)]
     return sorted(found)
 
 
-def _imports(path, root):
-    """Yield the dotted names, from `root`, of all that a source file may import."""
-    package = path.relative_to(root).parent.parts
-    for node in ast.walk(ast.parse(path.read_bytes(), str(path))):
+@cache  # stages share most of their modules
+def _imports(text, package):
+    """Return the dotted names, from the root, of all that the source `text` of a module in `package` may import."""
+    names = set()
+    for node in ast.walk(ast.parse(text)):
         if isinstance(node, ast.Import):
-            yield from (tuple(alias.name.split(".")) for alias in node.names)
+            names.update(tuple(alias.name.split(".")) for alias in node.names)
         elif isinstance(node, ast.ImportFrom):
             base = package[: len(package) + 1 - node.level] if node.level else ()
             base += tuple((node.module or "").split(".")) if node.module else ()
-            yield base
-            yield from (base + (alias.name,) for alias in node.names)
+            names.update((base, *(base + (alias.name,) for alias in node.names)))
+    return names
 
 
 def _locate(module, root):
