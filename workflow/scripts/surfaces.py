@@ -9,14 +9,20 @@ from storage import read_json, read_table
 
 def read_points(folder):
     """The surface vertices of the model in `folder`, (n, 3) model frame."""
-    vertices = read_table(folder / "vertices.parquet", "vertices")
-    return np.column_stack([vertices[axis].to_numpy() for axis in "xyz"])
+    return _stack(read_table(folder / "vertices.parquet", "vertices"), np.float64)
 
 
 def read_faces(folder):
     """The faces of the model in `folder`, (m, 3) int32 vertex ids."""
-    faces = read_table(folder / "faces.parquet", "faces", without=("shell",))
-    return np.column_stack([faces[corner].to_numpy() for corner in "abc"])
+    return _stack(read_table(folder / "faces.parquet", "faces", without=("shell",)), np.int32)
+
+
+def _stack(table, kind):
+    """The columns of a table side by side, each copied once."""
+    rows = np.empty((len(table), table.num_columns), kind)
+    for place, column in enumerate(table.itercolumns()):
+        rows[:, place] = column.to_numpy()
+    return rows
 
 
 def read_rotation(folder):
@@ -35,8 +41,10 @@ def read_height_mesh(folder, points=None):
 
 def vertex_bodies(folder, mesh):
     """Shell and body of every rank of `mesh`, two (n,) int32 arrays."""
-    faces = read_table(folder / "faces.parquet", "faces")
     body_of_shell = read_table(folder / "shells.parquet", "shells")["body"].to_numpy()
+    if len(body_of_shell) == 1:
+        return np.zeros_like(mesh.vertex), np.full_like(mesh.vertex, body_of_shell[0])
+    faces = read_table(folder / "faces.parquet", "faces")
     shell = np.empty(mesh.vertex.max() + 1, np.int32)
     for corner in "abc":
         shell[faces[corner].to_numpy()] = faces["shell"].to_numpy()

@@ -42,10 +42,10 @@ def clean_surface(points, faces, options, record):
         _allow("split", options, record, _tell_apart(points, found))
     if found.apart:
         found = _face_outward(points, found, options, record)
-    found, walk = _drop_flat(points, found, options, record)
+    found, walk, sizes = _drop_flat(points, found, options, record)
     faces, (opposite, component, turned, _) = found.glued.faces, walk
     _check_wound(points, faces, walk, record)
-    sides = shells.find_sides(points, faces, component, turned)
+    sides = shells.find_sides(points, faces, component, turned, *sizes)
     _note_sides(points, faces, component, sides, options, record)
     if found.apart:
         _check_apart(points, faces, sides["flip"])
@@ -69,6 +69,12 @@ class Walk(NamedTuple):
 
 def _walk(glued):
     return Walk(glued.opposite, *gluing.label_components(glued.faces, glued.opposite))
+
+
+def _measure(points, faces, walk):
+    """Area and volume of every shell, see `measures.measure_shells`."""
+    n_shells = walk.component.max() + 1
+    return measures.measure_shells(points, measures.wind(faces, walk.turned), walk.component, n_shells)
 
 
 def _note_closing(points, found, record):
@@ -140,7 +146,8 @@ def _check_wound(points, faces, walk, record):
 def _face_outward(points, found, options, record):
     """Turn over parts that face inward and take apart once more: it depends on where the material is."""
     walk = _walk(found.glued)
-    flip = shells.find_sides(points, found.glued.faces, walk.component, walk.turned)["flip"]
+    sizes = _measure(points, found.glued.faces, walk)
+    flip = shells.find_sides(points, found.glued.faces, walk.component, walk.turned, *sizes)["flip"]
     if not _find_crowded_corners(found.glued.faces, len(points), flip).size:
         return found
     faces = np.where(flip[:, None], found.glued.faces[:, ::-1], found.glued.faces)
@@ -152,18 +159,18 @@ def _face_outward(points, found, options, record):
 
 
 def _drop_flat(points, found, options, record):
-    """Drop the closed parts that lie in a plane, unless nothing else is there; returns a walk over the rest, too."""
+    """Drop the closed parts that lie in a plane, unless nothing else is there; returns walk and sizes of the rest."""
     faces, walk = found.glued.faces, _walk(found.glued)
     component = walk.component
-    volumes = measures.measure_shells(points, measures.wind(faces, walk.turned), component, component.max() + 1)[1]
+    areas, volumes = _measure(points, faces, walk)
     empty = np.flatnonzero(volumes == 0)
     flat = [one for one in empty if touching.lie_in_plane(points[np.unique(faces[component == one])])]
     if not 0 < len(flat) < len(volumes):
-        return found, walk
+        return found, walk, (areas, volumes)
     told = f"dropped {len(flat)} closed parts that lie in a plane and enclose nothing"
     _allow("duplicates", options, record, told)
-    glued = closing.keep_faces(found.glued, ~np.isin(component, flat))
-    return found._replace(glued=glued), _walk(glued)
+    glued, kept = closing.keep_faces(found.glued, ~np.isin(component, flat)), np.delete(np.arange(len(volumes)), flat)
+    return found._replace(glued=glued), _walk(glued), (areas[kept], volumes[kept])
 
 
 def _find_crowded_corners(faces, n_vertices, chosen):

@@ -218,7 +218,7 @@ def glue(faces, n_vertices, numbering=None):
     With `numbering` (m, 3), mesh edges are told apart by those numbers.
     """
     corners = face_orders.order_corners(faces, n_vertices)
-    faces = faces.ravel()[corners]
+    faces = np.take(faces, corners, mode="clip")  # which is several times as fast as to have places looked over
     numbers = faces if numbering is None else numbering.ravel()[corners]
     bound = numbers.max(initial=0) + 1
     opposite = gluing.match_half_edges(numbers, bound) if len(faces) else None

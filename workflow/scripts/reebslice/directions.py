@@ -171,47 +171,70 @@ def _merge(corners, root, walk, hill, key, way, saddles, pairs, count):
 
 @njit(cache=True)
 def _sweep(corners, twins, falling, key, vertices, index, lowest, start, around, significant, most, place, contour):
-    c, levels, cut, i = len(vertices), 0, -np.inf, 0
+    c, levels, cut, linked, count = len(vertices), 0, -np.inf, 0, 0
     # Node i is a critical vertex met since the last level, node c + k the contour number base + k of that level. In
     # `contour` they are left by number; those up to `base` are of other levels. What is not met is not set either.
     newest = base = contour[-1]
     root = np.empty(2 * c + start[-1] + 1, np.int32)
     held = np.empty(len(root), np.int32)  # significant points in the piece, at its root
+    surface, wedges = (corners, twins, falling, place, contour), (vertices, index, lowest, start, around)
     for j in range(c):
         place[vertices[j]] = j + 1
-    while i < c and levels < most:
-        v = vertices[i]
-        root[i], held[i] = i, 1 if significant[i] else 0
-        for j in range(start[i], start[i] + max(1, start[i + 1] - start[i])):
-            if lowest[i]:
-                continue
-            h = _step_down(corners, twins, falling, key, v) if index[i] == 1 else around[j]
-            w = head_of(corners, h)
-            if key[w] >= key[v]:
-                continue
-            while key[w] >= cut and place[w] == 0:
-                h = _step_down(corners, twins, falling, key, w)
-                w = head_of(corners, h)
-            a = place[w] - 1
-            if key[w] < cut:
-                if contour[h // 3] <= base:
-                    newest += 1
-                    a = c + newest - base
-                    root[a], held[a] = a, 0
-                    met = _walk_contour(corners, twins, key, cut, h // 3, base, newest, contour)
-                    root[a] = c + met - base
-                a = c + contour[h // 3] - base
-            a, b = find(root, a), find(root, i)
-            if a != b:
-                root[a] = b
-                held[b] += held[a]
-        if held[find(root, i)] > 1:  # a level right below v; what is there is met anew
-            levels, cut, base = levels + 1, key[v], newest
-        else:
-            i += 1
+    for i in range(c):
+        root[i], held[i] = i, significant[i]
+        count += significant[i]
+        if count < 2:
+            continue  # no piece can have two of them, whatever the others that are met lead to
+        first, linked = linked, i + 1
+        for k in range(i + 1 - first):  # the lowest, the highest, then the others, which may be spared
+            j = first + k - 1 if k > 1 else i if k == 1 else first
+            newest = _link(surface, wedges, key, j, cut, base, newest, root, held)
+            if held[find(root, j)] > 1:  # a level right below i; what is there is met anew
+                levels, cut, base, linked, count = levels + 1, key[vertices[i]], newest, i, significant[i]
+                root[i], held[i] = i, significant[i]
+                break
+        if levels >= most:
+            break
     place[vertices] = 0
     contour[-1] = newest
     return levels
+
+
+@njit(cache=True, inline="always")
+def _link(surface, wedges, key, i, cut, base, newest, root, held):
+    """Unite the piece of critical vertex i with those that its paths downhill meet down to the level at `cut`.
+
+    Returns the number of the newest contour of that level, all beyond `base`.
+    """
+    corners, twins, falling, place, contour = surface
+    vertices, index, lowest, start, around = wedges
+    c, v = len(vertices), vertices[i]
+    for j in range(start[i], start[i] + (0 if lowest[i] else max(1, start[i + 1] - start[i]))):
+        h = _step_down(corners, twins, falling, key, v) if index[i] == 1 else around[j]
+        w = head_of(corners, h)
+        if key[w] >= key[v]:
+            continue
+        while key[w] >= cut and place[w] == 0:
+            h = _step_down(corners, twins, falling, key, w)
+            w = head_of(corners, h)
+        a = place[w] - 1
+        if key[w] < cut:
+            if newest == base:
+                newest, root[c + 1] = newest + 1, i
+            if contour[h // 3] <= base:
+                if newest == base + 1 and find(root, c + 1) == find(root, i):
+                    contour[h // 3] = newest  # all that is met is in one piece, on one contour or on several
+                else:
+                    newest += 1
+                    root[c + newest - base], held[c + newest - base] = c + newest - base, 0
+                    met = _walk_contour(corners, twins, key, cut, h // 3, base, newest, contour)
+                    root[c + newest - base] = c + met - base
+            a = c + contour[h // 3] - base
+        a, b = find(root, a), find(root, i)
+        if a != b:
+            root[a] = b
+            held[b] += held[a]
+    return newest
 
 
 @njit(cache=True)
@@ -222,8 +245,6 @@ def _walk_contour(corners, twins, key, cut, face, base, number, contour):
     Two walks set out, one either way: while one waits for memory, the other does.
     """
     contour[face] = number
-    if number == base + 1:  # the first of its level: this face will do to meet it again
-        return number
     rising, sinking = np.int64(3 * face), np.int64(3 * face)  # the half-edges of a face that pass the height
     while not key[corners[rising]] < cut <= key[head_of(corners, rising)]:
         rising += 1

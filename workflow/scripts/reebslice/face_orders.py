@@ -80,11 +80,6 @@ def _turn_corners(rows, first):
     return corners
 
 
-def order_rows(rows, n_vertices):
-    """Argsort, stable and lexicographic, of (m, 3) ids below n_vertices, (m,) int32."""
-    return _order_triples(*np.ascontiguousarray(rows.T, np.int32), n_vertices)
-
-
 def sort_stably(*keys):
     """Argsort by whole numbers, the most significant last as `np.lexsort` has it; linear in time.
 

@@ -125,26 +125,36 @@ def canonical_faces(faces, rank):
 
 @njit(cache=True)
 def _sort_faces(faces, rank):
-    """A counting sort by the first corner, then a sort of the few faces that share it."""
-    m, n = faces.shape[0], len(rank)
-    turned, start = np.empty((m, 3), np.int32), np.zeros(n + 1, np.int32)
-    for f in range(m):
+    turned = np.empty(faces.shape, np.int32)
+    for f in range(len(faces)):
         a, b, c = rank[faces[f, 0]], rank[faces[f, 1]], rank[faces[f, 2]]
         if b < a and b < c:
             a, b, c = b, c, a
         elif c < a and c < b:
             a, b, c = c, a, b
         turned[f, 0], turned[f, 1], turned[f, 2] = a, b, c
-        start[a + 1] += 1
+    return sort_faces(turned, len(rank))
+
+
+@njit(cache=True)
+def sort_faces(faces, n):
+    """Faces (m, 3) int32 of n vertices in lexicographic order, no two with the same first and second corner.
+
+    A counting sort by the first corner, then a sort of the few faces that share it.
+    """
+    start, out = np.zeros(n + 1, np.int32), np.empty(faces.shape, np.int32)
+    for f in range(len(faces)):
+        start[faces[f, 0] + 1] += 1
     for v in range(n):
         start[v + 1] += start[v]
-    fill, out = start[:-1].copy(), np.empty((m, 3), np.int32)
-    for f in range(m):
-        place = fill[turned[f, 0]]
-        fill[turned[f, 0]] += 1
-        out[place, 0], out[place, 1], out[place, 2] = turned[f, 0], turned[f, 1], turned[f, 2]
+    for f in range(len(faces)):
+        place = start[faces[f, 0]]
+        start[faces[f, 0]] += 1
+        out[place, 0], out[place, 1], out[place, 2] = faces[f, 0], faces[f, 1], faces[f, 2]
+    first = 0
     for v in range(n):
-        _sort_fan(out, start[v], start[v + 1])
+        _sort_fan(out, first, start[v])
+        first = start[v]
     return out
 
 

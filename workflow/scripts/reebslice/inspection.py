@@ -5,9 +5,11 @@ with a record of what was found and repaired, or the reason why there is none.
 """
 
 import numpy as np
+from numba import njit
 
-from . import face_orders, overlaps
+from . import overlaps
 from .cleaning import REPAIRS, Unfit, clean_surface
+from .heightmesh import sort_faces
 from .schemas import build_table
 
 OVERLAPS = ("keep", "union")
@@ -114,14 +116,10 @@ def _count_bodies(record):
 
 
 def _tabulate(points, faces, component, sides, record):
-    order = face_orders.order_rows(faces, len(points))
-    faces, component = faces[order], component[order]
-    n_shells = len(sides["areas"])
-    shell_of_vertex = np.empty(len(points), np.int32)
-    for corner in faces.T:
-        shell_of_vertex[corner] = component
+    n_shells, shell_of_vertex = len(sides["areas"]), _label_vertices(faces, component, len(points))
     n_faces = np.bincount(component, minlength=n_shells)
     n_vertices = np.bincount(shell_of_vertex, minlength=n_shells)
+    faces = sort_faces(faces, len(points))
     euler = n_vertices - n_faces // 2  # three mesh edges for every two faces
     columns = dict(
         shell=np.arange(n_shells),
@@ -148,6 +146,15 @@ def _tabulate(points, faces, component, sides, record):
     )
     return {
         "vertices": build_table("vertices", dict(zip("xyz", points.T))),
-        "faces": build_table("faces", dict(zip("abc", faces.T), shell=component)),
+        "faces": build_table("faces", dict(zip("abc", faces.T), shell=shell_of_vertex[faces[:, 0]])),
         "shells": build_table("shells", columns),
     }
+
+
+@njit(cache=True)
+def _label_vertices(faces, label, n):
+    """The label (m,) of the faces around each of n vertices, (n,) int32."""
+    of_vertex = np.empty(n, np.int32)
+    for f in range(len(faces)):
+        of_vertex[faces[f, 0]] = of_vertex[faces[f, 1]] = of_vertex[faces[f, 2]] = label[f]
+    return of_vertex

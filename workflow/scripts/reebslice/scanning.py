@@ -51,16 +51,68 @@ def _fill_heights(x, y, z, dx, dy, dz, out):
         out[i] = dx * x[i] + dy * y[i] + dz * z[i]
 
 
-def find_critical_points(surface, key):
+def scan_directions(surface, points, directions):
+    """What :func:`find_critical_points` needs of the heights along each of (k, 3) directions, for all of them at once.
+
+    points : (n, 3). Returns the smallest difference of height over the edges in `surface.level`, (k,);
+    and which of the doubtful vertices are critical, (k, d) bool.
+    """
+    x, y, z = np.ascontiguousarray(np.transpose(directions), float)
+    margins = _find_margins(surface.level, points, x, y, z)
+    return margins, _find_critical(surface.doubtful, surface.start, surface.ring, points, x, y, z)
+
+
+@njit(cache=True)
+def _find_margins(edges, points, dx, dy, dz):
+    margins = np.full(len(dx), np.inf)
+    for i in range(len(edges)):
+        x, y, z = points[edges[i, 0], 0], points[edges[i, 0], 1], points[edges[i, 0], 2]
+        a, b, c = points[edges[i, 1], 0], points[edges[i, 1], 1], points[edges[i, 1], 2]
+        for k in range(len(dx)):  # sums as in `heights_along`
+            rise = abs((dx[k] * x + dy[k] * y + dz[k] * z) - (dx[k] * a + dy[k] * b + dz[k] * c))
+            margins[k] = min(margins[k], rise)
+    return margins
+
+
+@njit(cache=True)
+def _find_critical(doubtful, start, ring, points, dx, dy, dz):
+    critical, here = np.empty((len(dx), len(doubtful)), np.bool_), np.empty(len(dx))
+    before, changes = np.empty(len(dx)), np.empty(len(dx))  # numbers of one size, for loops over directions in parallel
+    for i in range(len(doubtful)):
+        x, y, z = points[doubtful[i], 0], points[doubtful[i], 1], points[doubtful[i], 2]
+        for k in range(len(dx)):
+            here[k], changes[k] = dx[k] * x + dy[k] * y + dz[k] * z, 0
+        last = ring[start[i + 1] - 1]
+        x, y, z = points[last, 0], points[last, 1], points[last, 2]
+        for k in range(len(dx)):
+            before[k] = 1.0 if dx[k] * x + dy[k] * y + dz[k] * z < here[k] else 0.0
+        for j in range(start[i], start[i + 1]):
+            x, y, z = points[ring[j], 0], points[ring[j], 1], points[ring[j], 2]
+            for k in range(len(dx)):
+                below = 1.0 if dx[k] * x + dy[k] * y + dz[k] * z < here[k] else 0.0
+                changes[k] += abs(below - before[k])
+                before[k] = below
+        for k in range(len(dx)):
+            critical[k, i] = changes[k] != 2
+    return critical
+
+
+def find_critical_points(surface, key, scan=None):
     """The :class:`CriticalPoints` of `key`, heights along a direction that the surface was surveyed for, or ranks.
 
+    scan : margin and critical ones (d,) of a direction from :func:`scan_directions`, if known.
     Where `key` ties two neighbours or two critical points, their order is
     open: then `vertices` is empty, and ranks must be given instead.
     """
-    margin = _find_margin(surface.level, key)
+    if scan is None:  # ranks are heights of points on a line
+        line = np.column_stack([key, np.zeros((len(key), 2))])
+        (margin,), (critical,) = scan_directions(surface, line, np.eye(3)[:1])
+    else:
+        margin, critical = scan
     if not margin < surface.least:
         margin = _find_margin_of_all(surface.corners, key)
-    spots, index = _find_critical(surface.doubtful, surface.start, surface.ring, key)
+    spots = np.flatnonzero(critical).astype(np.int32)
+    index = _find_indices(spots, surface.doubtful, surface.start, surface.ring, key)
     heights = key[surface.doubtful[spots]]
     order = np.argsort(heights, kind="stable")
     if margin == 0 or (np.diff(heights[order]) == 0).any():
@@ -68,14 +120,6 @@ def find_critical_points(surface, key):
     spots, index = spots[order], index[order]
     vertices = surface.doubtful[spots]
     return CriticalPoints(margin, spots, vertices, index, *_find_wedges(*surface[:3], key, vertices, index))
-
-
-@njit(cache=True)
-def _find_margin(edges, key):
-    margin = np.inf
-    for i in range(len(edges)):
-        margin = min(margin, abs(key[edges[i, 0]] - key[edges[i, 1]]))
-    return margin
 
 
 @njit(cache=True)
@@ -87,20 +131,18 @@ def _find_margin_of_all(corners, key):
 
 
 @njit(cache=True)
-def _find_critical(doubtful, start, ring, key):
-    """The critical ones of the `doubtful` vertices, by their places, and the index of each."""
-    spots, index, count = np.empty(len(doubtful), np.int32), np.empty(len(doubtful), np.int32), 0
-    for i in range(len(doubtful)):
-        here, changes = key[doubtful[i]], 0
-        before = key[ring[start[i + 1] - 1]] < here
-        for j in range(start[i], start[i + 1]):
+def _find_indices(spots, doubtful, start, ring, key):
+    index = np.empty(len(spots), np.int32)
+    for i in range(len(spots)):
+        spot, changes = spots[i], 0
+        here = key[doubtful[spot]]
+        before = key[ring[start[spot + 1] - 1]] < here
+        for j in range(start[spot], start[spot + 1]):
             below = key[ring[j]] < here
             changes += below != before
             before = below
-        if changes != 2:
-            spots[count], index[count] = i, 1 - changes // 2
-            count += 1
-    return spots[:count].copy(), index[:count].copy()
+        index[i] = 1 - changes // 2
+    return index
 
 
 @njit(cache=True)

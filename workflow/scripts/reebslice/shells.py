@@ -8,8 +8,6 @@ where they are clockwise (it encloses a void).
 import numpy as np
 from numba import njit
 
-from . import measures
-
 SAMPLES = 33  # faces of a shell that vote on what it is inside
 
 
@@ -134,11 +132,12 @@ def cast_rays(points, faces, queries, margin):
     return inside, on
 
 
-def find_sides(points, faces, shell, turned):
+def find_sides(points, faces, shell, turned, areas, volumes):
     """Find on which side of every shell the material is.
 
     points (n, 3), faces (m, 3), shell (m,) the shell of each face, turned (m,)
-    bool, the faces wound against the first one of their shell.
+    bool, the faces wound against the first one of their shell; areas, volumes
+    (s,) of the shells, each wound as its first face.
 
     Returns a dict: `flip` (m,) bool, the faces to turn over so that they are
     counter-clockwise seen from outside the material; and of the shells (s,)
@@ -146,9 +145,8 @@ def find_sides(points, faces, shell, turned):
     `nest_shells` has them, `free` (its winding was inconsistent) and `inward`
     (consistent, but turned over as a whole).
     """
-    n_shells = shell.max() + 1
-    areas, volumes = measures.measure_shells(points, measures.wind(faces, turned), shell, n_shells)
-    free = np.bincount(shell, turned, n_shells) > 0
+    n_shells = len(volumes)
+    free = np.bincount(shell[turned], minlength=n_shells) > 0
     enclosing = find_enclosing(points, faces, shell, n_shells)
     before = np.sign(volumes).astype(np.int64)
     signs, body, parent = nest_shells(enclosing, before, np.abs(volumes), free)

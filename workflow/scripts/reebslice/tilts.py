@@ -7,7 +7,7 @@ from numba import njit
 
 from .directions import blank_trails, fewest_levels, find_significant
 from .heightmesh import height_order, tilt_points
-from .scanning import find_critical_points, heights_along
+from .scanning import find_critical_points, heights_along, scan_directions
 from .surveying import gather_neighbours, survey_surface
 
 MODES = ("auto", "none", "direction")
@@ -103,15 +103,16 @@ def assess_directions(points, faces, directions):
     directions = np.array(directions, float)
     rounding = height_rounding(points, directions)
     surface = survey_surface(points, faces, directions, rounding.max())
+    scans = zip(*scan_directions(surface, points, directions))
     points = np.asfortranarray(points)
     room = np.empty(len(points)), blank_trails(surface)
-    return [_assess(points, surface, *case, *room) for case in zip(directions, rounding.tolist())]
+    return [_assess(points, surface, *case, *room) for case in zip(directions, rounding.tolist(), scans)]
 
 
-def _assess(points, surface, direction, rounding, height, trails):
-    """height, trails : room for the heights (n,) and for what walks leave behind."""
+def _assess(points, surface, direction, rounding, scan, height, trails):
+    """scan : of :func:`scan_directions`. height, trails : room for the heights (n,) and for what walks leave behind."""
     key = heights_along(points, direction, height)
-    found = find_critical_points(surface, key)
+    found = find_critical_points(surface, key, scan)
     margin = float(found.margin)
     if len(found.vertices) == 0:  # heights tie
         key = sos_ranks(points, direction)
