@@ -15,9 +15,10 @@ from reebslice.curves import curve_centres, pack_curves, unpack_curves
 from reebslice.graphml import Graph, graphml_text
 from reebslice.graphs import trace_arcs
 from reebslice.nodes import inscribed_points, steady_points
-from reebslice.outlines import find_outlines, mend_outlines, outline_areas, outline_polygons, shared_areas
+from reebslice.outlines import find_outlines, mend_outlines, outline_areas, outline_polygons
 from reebslice.parts import Parts, linked_parts
 from reebslice.schemas import GRAPHS
+from reebslice.shared_areas import shared_areas
 from reebslice.similarity import boolean_similarity, link_by_proximity, link_by_similarity
 from reebslice.tilts import candidate_directions, height_rounding, rotation_to_vertical, select_tilt
 
@@ -97,6 +98,9 @@ def test_shared_areas_are_those_of_overlays():
     low, high = (places.ravel() for places in np.indices((len(shapes),) * 2))
     expected = shapely.area(shapely.intersection(shapes[low], shapes[high]))
     assert shared_areas(find_outlines(shapes), low, high) == pytest.approx(expected, abs=1e-12)
+    rings = [shapely.Point(x, 7.3).buffer(y, 30) for x, y in ((0.1, 0.3), (0.2, 0.2), (0.3, 0.05))]
+    apart = np.array([*rings, *shapely.transform(np.array(rings), lambda points: points + [0, 1.1])])
+    assert (shared_areas(find_outlines(apart), *np.indices((3, 3)).reshape(2, -1) + [[0], [3]]) == 0).all()
     # what takes too long is left to the general overlay
     teeth = [box(0, k, 9, 0.5) for k in range(200)]
     combs = np.array([shapely.union_all([*teeth, box(x, 0, 0.1, 200)]) for x in (0, 1)])

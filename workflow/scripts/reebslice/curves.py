@@ -131,3 +131,12 @@ def curve_centres(points, start):
         if length > 0.0:
             centre[c, 0], centre[c, 1] = x / length, y / length
     return centre
+
+
+@njit(cache=True)
+def signed_area(points):
+    """Of a closed ring, relative to one of its points: no cancellation."""
+    x, y, total = points[0, 0], points[0, 1], 0.0
+    for i in range(len(points) - 1):
+        total += (points[i, 0] - x) * (points[i + 1, 1] - y) - (points[i, 1] - y) * (points[i + 1, 0] - x)
+    return 0.5 * total

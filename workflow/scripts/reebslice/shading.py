@@ -15,7 +15,7 @@ import numba
 import numpy as np
 
 from .normals import corner_normals, find_vertex_normals
-from .views import project_points, view_axes
+from .views import view_axes
 
 SUBPIXELS = 256
 _LIGHT = np.array([-0.45, 0.55, 0.70]) / np.linalg.norm([-0.45, 0.55, 0.70])
@@ -123,20 +123,27 @@ def rasterize_mesh(points, faces, view, crease=40.0):
     shape = (view.height, view.width)
     slant, winding = np.zeros(shape, np.float32), np.zeros(shape, np.int16)
     layers = Layers(np.full(shape, -np.inf), np.zeros((*shape, 3), np.float32), slant, winding)
-    seen, faces = project_points(points, view), np.ascontiguousarray(faces)
-    grid = _place_on_grid(seen)
-    seen *= [1, -1, view.scale]  # a frame in which angles are right
+    faces = np.ascontiguousarray(faces)
+    seen, grid = _project_finely(np.asarray(points, float).reshape(-1, 3), *view)
     _fill_faces(grid, seen, faces, view.scale, crease, *find_vertex_normals(seen, faces, crease), *layers)
     return layers
 
 
 @numba.njit(cache=True)
-def _place_on_grid(seen):
-    """Columns and rows of points (n, 3) in the parts of pixels that the rasteriser counts in, (n, 2) int32."""
-    grid = np.empty((len(seen), 2), np.int32)
-    for i in range(len(seen)):
-        grid[i, 0], grid[i, 1] = np.rint(seen[i, 0] * SUBPIXELS), np.rint(seen[i, 1] * SUBPIXELS)
-    return grid
+def _project_finely(points, axes, centre, scale, width, height):
+    """Points (n, 3) as seen: right, up and depth in pixels; column and row in the parts that the rasteriser counts in.
+
+    The first, (n, 3) float64, in a frame in which angles are right; the second (n, 2) int32.
+    """
+    seen, grid = np.empty((len(points), 3)), np.empty((len(points), 2), np.int32)
+    for i in range(len(points)):
+        x, y, z = points[i, 0], points[i, 1], points[i, 2]
+        column = (x * axes[0, 0] + y * axes[0, 1] + z * axes[0, 2] - centre[0]) * scale + width / 2
+        row = height / 2 - (x * axes[1, 0] + y * axes[1, 1] + z * axes[1, 2] - centre[1]) * scale
+        grid[i, 0], grid[i, 1] = np.rint(column * SUBPIXELS), np.rint(row * SUBPIXELS)
+        seen[i, 0], seen[i, 1] = column, -row
+        seen[i, 2] = (x * axes[2, 0] + y * axes[2, 1] + z * axes[2, 2]) * scale
+    return seen, grid
 
 
 def widest_azimuth(points, faces, elevation):

@@ -13,7 +13,8 @@ import numpy as np
 import shapely
 
 from .components import connected_items
-from .outlines import find_outlines, outline_areas, outline_polygons, pick_outlines, shared_areas
+from .outlines import find_outlines, outline_areas, outline_polygons, pick_outlines
+from .shared_areas import shared_areas
 
 # Tuned on half of a corpus, see docs/connectivity.md. Of the smaller of two
 # shapes this share must lie in the other.
