@@ -8,11 +8,12 @@ import shapely
 import trimesh
 
 from reebslice.certification.recount_curves import measure_curves, pass_spots, read_curves
-from reebslice.certification.recount_elders import elder_pairs
+from reebslice.certification.recount_elders import elder_pairs, essential_points
 from reebslice.certification.recount_holes import Nest
 from reebslice.certification.recount_joins import find_components
+from reebslice.certification.recount_measures import label_vertices, largest_terms, measure_shells
 from reebslice.certification.recount_regions import build_polygons, find_regions, look_around, share
-from reebslice.certification.recount_surface import count_links, find_sides, measure_shells, rank_surface
+from reebslice.certification.recount_surface import count_links, find_sides, rank_surface
 from solids import blob, hollow_ball, plate, torus
 
 
@@ -36,7 +37,7 @@ def test_links_to_nowhere_are_refused():
 
 def ranked(solid, faces=None):
     faces = solid.faces if faces is None else faces
-    return rank_surface(solid.points, np.asarray(faces, np.int64), np.zeros(len(faces), np.int64))
+    return rank_surface(solid.points.T, np.eye(3), np.asarray(faces).T, np.zeros(len(faces)))[0]
 
 
 @pytest.mark.parametrize("solid", [torus(), plate(2), hollow_ball(), blob(1)])
@@ -51,7 +52,7 @@ def test_mesh_edges_lie_between_two_faces(solid):
     for side, pair in enumerate(sorted(owners)):
         assert sides.faces[side].tolist() == [face for face, _ in owners[pair]]
         assert all(sides.of_face[place] == side for place in owners[pair])
-    assert (count_links(surface.corners, sides.lower, sides.upper, sides.faces, len(solid.points)) == 1).all()
+    assert (count_links(surface.corners, sides.of_face, sides.faces, len(solid.points)) == 1).all()
 
 
 def test_what_is_no_closed_oriented_surface_has_no_sides():
@@ -75,7 +76,7 @@ def test_links_are_counted_at_each_vertex():
     surface = ranked(solid)
     sides = find_sides(surface)
     links = np.empty(16, np.int64)
-    links[surface.origin] = count_links(surface.corners, sides.lower, sides.upper, sides.faces, 16)
+    links[surface.origin] = count_links(surface.corners, sides.of_face, sides.faces, 16)
     assert links.tolist() == [2] + [1] * 14 + [0]
 
 
@@ -95,13 +96,51 @@ def test_elder_pairs_join_the_younger_to_the_older(seed):
     assert sorted(map(tuple, elder_pairs(earlier, later, n, n_contours).tolist())) == sorted(expected)
 
 
+@pytest.mark.parametrize("solid", [torus(), plate(2), hollow_ball(), blob(1)])
+def test_essential_points_are_those_that_all_mesh_edges_tell(solid):
+    surface = ranked(solid)
+    sides, n = find_sides(surface), len(solid.points)
+    upward = elder_pairs(sides.lower, sides.upper, n, 0)
+    downward = n - 1 - elder_pairs(n - 1 - sides.upper, n - 1 - sides.lower, n, 0)
+    count, pairs = essential_points(surface, sides)
+    assert sorted(pairs.tolist()) == sorted([*upward.tolist(), *downward.tolist()])
+    assert count.sum() == np.diff(surface.weight)[surface.index >= 0].sum() - 2 * len(pairs)
+
+
+@pytest.mark.parametrize("solid", [torus(), plate(2), hollow_ball(), blob(1)])
+def test_vertices_are_ranked_and_told_by_their_neighbours(solid):
+    surface = ranked(solid)
+    x, y, z = solid.points.T
+    assert surface.origin.tolist() == np.lexsort((y, x, z)).tolist()
+    links = [nx.Graph() for _ in solid.points]
+    for face in surface.corners.tolist():
+        for v in face:
+            links[v].add_edge(*(w for w in face if w != v))
+    for v, link in enumerate(links):
+        above, below = ([w for w in link if (w > v) == up] for up in (True, False))
+        wedges = nx.number_connected_components(link.subgraph(above))
+        index = 0 if not below else 2 if not above else -1 if wedges == 1 else 1
+        assert (surface.index[v], surface.weight[v + 1] - surface.weight[v]) == (index, max(wedges - 1, 1))
+
+
+def test_vertices_are_of_the_shells_of_their_faces():
+    surface = ranked(hollow_ball())
+    n, part = find_components(surface.corners[:, [0, 0]].ravel(), surface.corners[:, 1:].ravel(), len(surface.points))
+    label, agree = label_vertices(surface.corners, part[surface.corners[:, 1]], len(part))
+    assert n == 2 and agree and (label == part).all()
+    assert not label_vertices(surface.corners, np.arange(len(surface.corners), dtype=np.int32), len(part))[1]
+    direction = np.array([0.3, -0.5, 0.8])
+    largest = (np.abs(surface.points) @ np.abs(direction)).max()
+    assert largest_terms(*surface.points.T.copy(), direction) == pytest.approx(largest, rel=1e-14)
+
+
 def test_shells_are_measured_one_by_one():
     solid = hollow_ball()
     shell = trimesh.Trimesh(solid.points, solid.faces, process=False)
     label = np.zeros(len(solid.faces), np.int64)
     for k, part in enumerate(trimesh.graph.connected_components(shell.face_adjacency)):
         label[part] = k
-    area, volume = measure_shells(solid.points + 100.0, solid.faces.astype(np.int64), label, label.max() + 1)
+    area, volume = measure_shells((solid.points + 100.0).T.copy(), solid.faces.T.copy(), label, label.max() + 1)
     for k in range(label.max() + 1):
         part = trimesh.Trimesh(solid.points, solid.faces[label == k], process=False)
         assert (area[k], volume[k]) == pytest.approx((part.area, part.volume), rel=1e-12)
@@ -125,6 +164,8 @@ def test_curves_are_read_as_they_were_written():
     curves, drawn = read_curves([pa.array(shapely.to_wkb(part)) for part in (lines[:2], lines[1:])])
     assert drawn.all() and (curves.points == shapely.get_coordinates(lines[[0, 1, 1, 2, 3, 4]])).all()
     assert shapely.equals_exact(curves.lines([3, 0]), lines[[2, 0]]).all()
+    roomy, _ = read_curves([pa.array(shapely.to_wkb(lines))], 1000)
+    assert (roomy.points == shapely.get_coordinates(lines)).all()
     sliced, _ = read_curves([pa.array(shapely.to_wkb(lines)).slice(2, 2)])
     assert (sliced.points == shapely.get_coordinates(lines[2:4])).all()
 

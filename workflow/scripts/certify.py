@@ -11,7 +11,7 @@ import numpy as np
 from batches import run_batch
 from reebslice.certification.certificates import certify
 from reebslice.certification.graphml import parse_graph
-from reebslice.certification.recount_curves import read_curves
+from reebslice.certification.recount_curves import POINT, read_curves
 from reebslice.schemas import GRAPHS, MODEL_TABLES
 from storage import read_blocks, read_json, read_table, write_json
 
@@ -24,7 +24,8 @@ def main(source, target, options):
     # of the contours the curves, by far the most, are not kept as the file has them
     apart = {"contours": ("geometry",)}
     tables = {name: read_table(source / f"{name}.parquet", name, apart.get(name, ())) for name in MODEL_TABLES}
-    curves = read_curves(read_blocks(source / "contours.parquet", "contours", "geometry"))
+    drawn = source / "contours.parquet"
+    curves = read_curves(read_blocks(drawn, "contours", "geometry"), drawn.stat().st_size // POINT)
     tilt = read_json(source / "tilt.json")
     graphs = {name: parse_graph((source / f"{name}.graphml").read_bytes()) for name in GRAPHS}
     size, distance = mesh_lengths(tables["vertices"], tilt, options)

@@ -18,17 +18,17 @@ def check_critical(case, ledger):
     """Every critical point, its partner, and arcs that fit the contours of every level."""
     t, arcs = case.columns.critical_points, case.columns.critical_arcs
     surface = case.surface
-    repeats = copies(surface)
-    point = np.repeat(np.arange(len(repeats)), repeats)  # the vertex of every rank
-    ranks = np.flatnonzero(surface.changes[point] != 2)
-    point = point[ranks]
+    point = np.flatnonzero(surface.index >= 0)
+    repeats = copies(surface)[point]
+    point = np.repeat(point, repeats)
+    ranks = surface.weight[point] + np.arange(len(point)) - np.repeat(np.cumsum(repeats) - repeats, repeats)
     ledger.enter("critical_points.rank", np.array_equal(t["rank"], ranks), True)
     if not np.array_equal(t["rank"], ranks):
         raise ValueError("table critical_points does not list the critical points of the surface")
     vertex = surface.origin[point]
     ledger.rows("critical_points.vertex", t["vertex"] == vertex, "the vertex of that rank")
-    ledger.rows("critical_points.height", t["height"] == case.tilted[vertex, 2], "height of the vertex")
-    ledger.rows("critical_points.index", t["index"] == case.index_of_vertex[vertex], "sign changes around it")
+    ledger.rows("critical_points.height", t["height"] == surface.points[point, 2], "height of the vertex")
+    ledger.rows("critical_points.index", t["index"] == surface.index[point], "sign changes around it")
     ends = np.stack([arcs["source"], arcs["target"]], axis=1).astype(np.int64)
     for name, end in zip(("lower", "upper"), ends.T):
         ledger.rows(f"critical_arcs.{name}", arcs[name] == t["height"][end], "height of its end")

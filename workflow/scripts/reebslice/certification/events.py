@@ -28,13 +28,13 @@ def check_handles(case, ledger):
     ledger.rows("handles.vertex", placed, "the critical point of its piece")
     ledger.rows(
         "handles.position",
-        (case.model[vertex] == np.stack([t[k] for k in "xyz"], axis=1)).all(axis=1),
+        np.all([column[vertex] == t[axis] for column, axis in zip(case.points, "xyz")], axis=0),
         "position of the vertex",
     )
-    ledger.rows("handles.height", t["height"] == case.tilted[vertex, 2], "height of the vertex")
+    ledger.rows("handles.height", t["height"] == case.surface.points[case.rank[vertex], 2], "height of the vertex")
     for name, values in (("slab", case.slab), ("block", case.block)):
         ledger.rows(f"handles.{name}", t[name] == values[piece], f"{name} of the piece")
-    ledger.rows("handles.index", t["index"] == case.index_of_vertex[vertex], "sign changes around the vertex")
+    ledger.rows("handles.index", t["index"] == case.surface.index[case.rank[vertex]], "sign changes around the vertex")
     held = np.bincount(piece, minlength=len(case.kinds))
     wanted = np.array(
         [_essentials(*ends) for ends in zip(*(e.tolist() for e in case.piece_ends), case.piece_genus.tolist())]
@@ -122,9 +122,7 @@ def check_sides(case, ledger):
     interpretation of the solid tells.
     """
     t = case.columns.handles
-    rank = np.empty(len(case.surface.origin), np.int64)
-    rank[case.surface.origin] = np.arange(len(rank))
-    places, place = np.unique(rank[t["vertex"]], return_inverse=True)
+    places, place = np.unique(case.rank[t["vertex"]].astype(np.int64), return_inverse=True)
     local = local_sides(case.surface, places)[place]
     agree = local == t["side"]
     tangled = np.zeros(len(local), bool)

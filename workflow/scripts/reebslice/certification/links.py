@@ -278,6 +278,6 @@ def _path_points(case):
 
 def _length(case, key, points):
     source, target, items = key
-    ends = case.model[case.columns.handles["vertex"][[source, target]]]
+    ends = np.stack([column[case.columns.handles["vertex"][[source, target]]] for column in case.points], axis=-1)
     path = np.concatenate([ends[:1], points[list(items)].reshape(-1, 3), ends[1:]])
     return float(np.linalg.norm(np.diff(path, axis=0), axis=1).sum())

@@ -17,7 +17,6 @@ from numba import njit
 
 from .recount_cells import find_cells, find_centres
 from .recount_crossings import enter_ends, find_crossings
-from .recount_surface import copies
 
 CELLS_AT_ONCE = 200_000
 
@@ -61,7 +60,7 @@ def count_below(surface, height, tie_x, tie_y):
     The bounds differ only for a cut inside vertices of one position.
     """
     x, y, z = surface.points.T
-    weight = np.concatenate([[0], np.cumsum(copies(surface))])
+    weight = surface.weight
     first, last = np.searchsorted(z, height, side="left"), np.searchsorted(z, height, side="right")
     low, high = last.copy(), last.copy()
     for k in np.flatnonzero(~np.isnan(tie_x)).tolist():
@@ -167,8 +166,10 @@ def _find_anchors(surface, sides, place, anchors):
     n = int(max(surface.origin.max(initial=0), anchors["lower"].max(initial=0), anchors["upper"].max(initial=0))) + 1
     named = np.zeros(n, bool)
     named[anchors["lower"]] = True
-    near = np.flatnonzero(named[surface.origin[sides.lower]])
-    keys = surface.origin[sides.lower[near]] * n + surface.origin[sides.upper[near]]
+    ends = np.flatnonzero(named[surface.origin]).astype(sides.lower.dtype)
+    begin, end = (np.searchsorted(sides.lower, ends, side=side) for side in ("left", "right"))
+    near = np.repeat(end - np.cumsum(end - begin), end - begin) + np.arange((end - begin).sum())
+    keys = surface.origin[sides.lower[near]].astype(np.int64) * n + surface.origin[sides.upper[near]]
     order = np.argsort(keys, kind="stable")
     keys, near = keys[order], near[order]
     wanted, level = anchors["lower"] * n + anchors["upper"], anchors["level"]

@@ -9,7 +9,7 @@ from typing import NamedTuple
 import numpy as np
 from numba import njit
 
-from .recount_joins import join, number_sets
+from .recount_joins import first_parents, join, number_sets
 
 
 class Cells(NamedTuple):
@@ -71,7 +71,7 @@ def _find_cells(
         low, high = max(place[corners[f, 0]], first), min(place[corners[f, 2]] + 1, last)
         start[f - origin] = n - low
         n += max(high - low, 0)
-    part = np.arange(n).astype(np.int32)
+    part = first_parents(n)
     for side in range(run_sides[0], run_sides[1]):
         low, high = max(place[lower[side]], first), min(place[upper[side]] + 1, last)
         if low < high:
@@ -87,7 +87,7 @@ def _find_cells(
         if bottom >= top:
             continue
         low_half, high_half, whole = _halves(points, corners, f, centre[shell[f], 0], centre[shell[f], 1])
-        share, swept = _below(low_half, high_half, bounds[bottom])
+        share, swept = _below(low_half, high_half, bounds[bottom]) if bottom > low else (0.0, 0.0)
         for s in range(bottom, top):
             p, share_below, swept_below = part[start[f - origin] + s], share, swept
             share, swept = _below(low_half, high_half, bounds[s + 1])

@@ -9,7 +9,7 @@ from typing import NamedTuple
 import numpy as np
 from numba import njit
 
-from .recount_joins import join, number_sets
+from .recount_joins import first_parents, join, number_sets
 
 
 class Crossings(NamedTuple):
@@ -66,21 +66,27 @@ def cross(surface, low, high, height, tie_x, tie_y):
 def _cross_all(points, low, high, planes):
     spots = np.empty((len(low), 2))
     for k in range(len(low)):
-        spots[k, 0], spots[k, 1] = _cross(points, low[k], high[k], planes, k)
+        spots[k, 0], spots[k, 1] = _meet(_line(points, low[k], high[k]), planes, k)
     return spots
 
 
 @njit(cache=True)
-def _cross(points, low, high, planes, k):
-    """Where the mesh edge from `low` up to `high` meets plane k, (height, tie_x, tie_y); ties of height are tilts."""
+def _line(points, low, high):
+    """What :func:`_meet` needs of the mesh edge from `low` up to `high`; ties of height are tilts."""
     axis, column = 2, 0
     if points[low, 2] == points[high, 2]:
         axis, column = (0, 1) if points[low, 0] != points[high, 0] else (1, 2)
-    start, span = points[low, axis], points[high, axis] - points[low, axis]
+    x, y, start = points[low, 0], points[low, 1], points[low, axis]
+    return column, start, points[high, axis] - start, x, y, points[high, 0] - x, points[high, 1] - y
+
+
+@njit(cache=True)
+def _meet(line, planes, k):
+    """Where a mesh edge meets plane k, (height, tie_x, tie_y)."""
+    column, start, span, x, y, dx, dy = line
     share = (planes[k, column] - start) / span if span != 0 else 0.5
     share = 0.5 if np.isnan(share) else min(max(share, 0.0), 1.0)
-    x, y = points[low, 0], points[low, 1]
-    return x + share * (points[high, 0] - x), y + share * (points[high, 1] - y)
+    return x + share * dx, y + share * dy
 
 
 @njit(cache=True)
@@ -93,7 +99,7 @@ def _find_crossings(
         low, high = max(place[lower[side]], first), min(place[upper[side]], last)
         start[side - origin] = n - low
         n += max(high - low, 0)
-    part = np.arange(n).astype(np.int32)
+    part = first_parents(n)
     for f in range(run_faces[0], run_faces[1]):
         middle, (ab, bc, ac) = place[corners[f, 1]], _numbers(of_face, f, origin)
         for k in range(max(place[corners[f, 0]], first), min(place[corners[f, 2]], last)):
@@ -103,10 +109,11 @@ def _find_crossings(
     n_points, loose = np.zeros(count, np.int64), np.zeros(count, np.int64)
     area, perimeter, centre, spots = np.zeros(count), np.zeros(count), np.empty((count, 2)), np.empty((n, 2))
     for side in range(origin, end):
+        line = _line(points, lower[side], upper[side])
         for k in range(max(place[lower[side]], first), min(place[upper[side]], last)):
             crossing = start[side - origin] + k
             c = part[crossing]
-            x, y = _cross(points, lower[side], upper[side], planes, k)
+            x, y = _meet(line, planes, k)
             spots[crossing, 0], spots[crossing, 1] = x, y
             centre[c, 0], centre[c, 1] = x, y  # any point of the contour: no cancellation far from the origin
             level[c] = k

@@ -31,25 +31,27 @@ class Curves(NamedTuple):
         return shapely.linestrings(points, indices=index)
 
 
-def read_curves(blocks):
+def read_curves(blocks, room=0):
     """The :class:`Curves` of pyarrow arrays of well-known binary, one after the other, and which are drawn (C,) bool.
 
     That is, which are line strings in the plane, little-endian, of at least
     two points, finite and closed. The others have no points.
+    room : how many points there may be, so that their array need not grow
     """
-    points, counts, drawn = np.empty(0), [np.empty(0, np.int64)], [np.empty(0, bool)]
+    points, end, counts, drawn = np.empty(2 * room), 0, [np.empty(0, np.int64)], [np.empty(0, bool)]
     for block in blocks:
         # where each value begins and the last one ends
         offsets = np.frombuffer(block.buffers()[1], np.int32)[block.offset : block.offset + len(block) + 1]
         sizes = np.diff(offsets)
         counts.append(np.where((sizes >= START + 2 * POINT) & (sizes % POINT == START), (sizes - START) // POINT, 0))
         drawn.append(counts[-1] > 0)
-        begin = len(points)
-        points.resize(begin + 2 * counts[-1].sum(), refcheck=False)  # in place, as far as the system can
+        begin, end = end, end + 2 * counts[-1].sum()
+        if end > len(points):
+            points.resize(end, refcheck=False)  # in place, as far as the system can
         data = np.frombuffer(block.buffers()[2] or b"", np.uint8)
-        _copy_points(data, offsets, counts[-1], points[begin:].view(np.uint8), drawn[-1])
+        _copy_points(data, offsets, counts[-1], points[begin:end].view(np.uint8), drawn[-1])
     first = np.concatenate([[0], np.cumsum(np.concatenate(counts))])
-    points = points.reshape(-1, 2)
+    points = points[:end].reshape(-1, 2)
     return Curves(points, first), np.concatenate(drawn) & _are_closed(points, first)
 
 
@@ -96,7 +98,7 @@ def measure_curves(points, first):
             low_x, high_x = min(low_x, points[k, 0]), max(high_x, points[k, 0])
             low_y, high_y = min(low_y, points[k, 1]), max(high_y, points[k, 1])
             px, py, qx, qy = points[k, 0] - x, points[k, 1] - y, points[k + 1, 0] - x, points[k + 1, 1] - y
-            step = np.hypot(qx - px, qy - py)
+            step = np.sqrt((qx - px) * (qx - px) + (qy - py) * (qy - py))
             total += 0.5 * (px * qy - py * qx)
             length += step
             mx += step * (px + qx) / 2

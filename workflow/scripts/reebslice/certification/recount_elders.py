@@ -8,7 +8,7 @@ spanning tree; the tables come from a vertex by vertex sweep instead.
 import numpy as np
 from numba import njit
 
-from .recount_joins import find_root
+from .recount_joins import find_root, first_parents
 from .recount_surface import copies
 
 
@@ -22,17 +22,14 @@ def essential_points(surface, sides, recount=None):
     """
     n = len(surface.points)
     if recount is None:
-        n_contours, enters = 0, np.full(len(sides.lower), -1, np.int32)
-        leaves = enters
+        n_contours, enters, leaves = 0, *[np.empty(0, np.int32)] * 2
     else:
         enters, leaves, n_contours = recount.enters, recount.leaves, len(recount.anchored)
-    ends = sides.lower, sides.upper
-    pairs = [_elder_pairs(*ends, enters, sides.by_upper, n, n_contours, True)]
+    ends, plain = (sides.lower, sides.upper), surface.index < 0
+    pairs = _elder_pairs(*ends, enters, sides.by_upper, plain, n_contours, True)
     # mesh edges are in order of their lower ends
-    downward = np.arange(len(sides.lower), dtype=np.int32)[::-1].copy()
-    pairs = np.concatenate([*pairs, _elder_pairs(*ends[::-1], leaves, downward, n, n_contours, False)])
-    changes = surface.changes
-    count = np.where(changes == 2, 0, np.where(changes == 0, 1, copies(surface)))
+    pairs = np.concatenate([pairs, _elder_pairs(*ends[::-1], leaves, sides.by_upper[:0], plain, n_contours, False)])
+    count = np.where(surface.index < 0, 0, copies(surface))
     count -= np.bincount(pairs.ravel(), minlength=n)
     return count, pairs
 
@@ -45,20 +42,26 @@ def elder_pairs(earlier, later, n, n_contours):
     """
     earlier, later = np.asarray(earlier, np.int32), np.asarray(later, np.int32)
     gate, order = np.where(earlier >= n, earlier - n, -1), np.argsort(later, kind="stable").astype(np.int32)
-    return _elder_pairs(np.ascontiguousarray(earlier), later.copy(), gate, order, n, n_contours, True)
+    return _elder_pairs(np.ascontiguousarray(earlier), later.copy(), gate, order, np.zeros(n, bool), n_contours, True)
 
 
 @njit(cache=True)
-def _elder_pairs(earlier, later, gate, order, n, n_contours, upward):
-    """The same of links in the `order` of the sweep, upward or down; gate : contour that a link comes in by, or -1.
+def _elder_pairs(earlier, later, gate, order, plain, n_contours, upward):
+    """The same of links in the `order` of the sweep, or where that is empty from last to first, upward or down.
 
+    gate : contour that a link comes in by, or -1, empty for none; plain : (n,) vertices whose links to earlier ones
+    all lead to one component, so that one of them tells, as round a vertex that is not critical.
     Younger roots are joined to older ones, so that a root is the oldest of its tree.
     """
-    parent = np.arange(n + n_contours).astype(np.int32)
+    n = len(plain)
+    parent = first_parents(n + n_contours)
     pairs, count = np.empty((len(later), 2), np.int64), 0
-    for k in order:
+    for i in range(len(later)):
+        k = order[i] if len(order) else len(later) - 1 - i
         v = later[k]
-        a, b = find_root(parent, v), find_root(parent, n + gate[k] if gate[k] >= 0 else earlier[k])
+        if plain[v] and parent[v] != v:
+            continue
+        a, b = find_root(parent, v), find_root(parent, n + gate[k] if len(gate) and gate[k] >= 0 else earlier[k])
         if a == b:
             continue
         if a >= n or (b < n and (a < b) == upward):

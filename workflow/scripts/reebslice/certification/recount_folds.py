@@ -29,9 +29,8 @@ TRIES = 500
 
 def find_folded(surface, below):
     """Which levels run between the copies of a vertex: {vertex: [(level, copies below)]}."""
-    total = np.cumsum(copies(surface))
-    vertex = np.searchsorted(total, below, side="right")
-    rest = below - np.concatenate([[0], total])[vertex]
+    vertex = plain_below(surface, below)
+    rest = below - surface.weight[vertex]
     folded = {}
     for level in np.flatnonzero(rest > 0).tolist():
         folded.setdefault(int(vertex[level]), []).append((level, int(rest[level])))
@@ -43,7 +42,7 @@ def plain_below(surface, below):
 
     A vertex counts as above if only some of its copies are below.
     """
-    return np.searchsorted(np.cumsum(copies(surface)), below, side="right")
+    return np.searchsorted(surface.weight[1:], below.astype(np.int32), side="right")
 
 
 def unfold(surface, sides, below, rings_at, noise):
@@ -78,7 +77,7 @@ def unfold(surface, sides, below, rings_at, noise):
     rank = np.empty(len(place), np.int64)
     rank[place] = np.arange(len(place))
     old = np.array(origin)[place]
-    split = sort_corners(surface.points[old], surface.origin[old], rank, np.array(faces), np.array(shell))
+    split = sort_corners(surface.points[old], surface.origin[old], rank, np.array(faces).T, np.array(shell))
     return split, _below_of_split(surface, below, old, folded), odd
 
 

@@ -14,10 +14,20 @@ def find_root(parent, i):
 
 
 @njit(cache=True)
+def first_parents(n):
+    """Trees of one member each: (n,) int32."""
+    parent = np.empty(n, np.int32)
+    for i in range(n):
+        parent[i] = i
+    return parent
+
+
+@njit(cache=True)
 def join(parent, a, b):
     """Join the sets of `a` and `b`; the smaller root is that of both, so no root is above its members."""
-    a, b = find_root(parent, a), find_root(parent, b)
-    parent[max(a, b)] = min(a, b)
+    if parent[a] != parent[b]:  # most often they have been joined before
+        a, b = find_root(parent, a), find_root(parent, b)
+        parent[max(a, b)] = min(a, b)
 
 
 @njit(cache=True)
@@ -35,14 +45,14 @@ def number_sets(parent):
 
 @njit(cache=True)
 def _components(one, two, n):
-    parent = np.arange(n)
+    parent = first_parents(n)
     for k in range(len(one)):
         join(parent, one[k], two[k])
     return number_sets(parent), parent
 
 
 def find_components(one, two, n):
-    """Components of a graph on 0..n-1 with links one[k] - two[k]: (their number, (n,) int64 of each node).
+    """Components of a graph on 0..n-1 with links one[k] - two[k]: (their number, (n,) int32 of each node).
 
     Components are numbered by their first nodes. Raises ValueError for a link
     to a node that is none.

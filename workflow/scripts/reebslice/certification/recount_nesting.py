@@ -14,11 +14,12 @@ def find_around(points, faces, shell, n_shells):
     """For each shell the shells around it and those that may be: two lists of sets.
 
     A shell is around another if its box is and all rays from that one say so,
-    and may be around it if they differ or start on it.
+    and may be around it if they differ or start on it. points, faces : columns x, y, z and a, b, c
     """
     around, unsure = ([set() for _ in range(n_shells)] for _ in range(2))
     if n_shells == 1:
         return around, unsure
+    points, faces = np.stack(points, axis=1), np.stack(faces, axis=1)
     owner = np.empty(len(points), np.int64)
     owner[faces] = shell[:, None]
     pairs = _find_boxed(points, owner, n_shells)

@@ -9,8 +9,6 @@ from typing import NamedTuple
 import numpy as np
 from numba import njit
 
-from .recount_joins import join
-
 
 class Ranked(NamedTuple):
     """A closed surface whose vertex ids are ranks of height.
@@ -20,7 +18,9 @@ class Ranked(NamedTuple):
         goes through them finds what it needs close together
     even : (m,) bool, whether `corners` is counter-clockwise seen from outside
     shell : (m,) the shell of each face
-    changes : (n,) sign changes around the link of each vertex: faces with it in the middle
+    changes : (n,) int32 sign changes around the link of each vertex: faces with it in the middle
+    index : (n,) int8 of each vertex 0, 1, 2, or -1 where it is not critical
+    weight : (n + 1,) int32 the simple critical points that the vertices below each rank stand for, at least 1 each
     """
 
     points: np.ndarray
@@ -29,6 +29,8 @@ class Ranked(NamedTuple):
     even: np.ndarray
     shell: np.ndarray
     changes: np.ndarray
+    index: np.ndarray
+    weight: np.ndarray
 
 
 class Sides(NamedTuple):
@@ -46,48 +48,77 @@ class Sides(NamedTuple):
     by_upper: np.ndarray
 
 
-def rotate(points, rotation):
-    """Points (n, 3) in the tilted frame, summed in the order x, y, z."""
-    return _rotate(np.ascontiguousarray(points, float), np.ascontiguousarray(rotation, float))
+def rank_surface(points, rotation, faces, shell):
+    """The :class:`Ranked` surface in the frame tilted by `rotation` (3, 3), and the rank of each vertex, (n,) int32.
+
+    points, faces : columns x, y, z (n,) and a, b, c (m,); shell : (m,)
+    """
+    points = tuple(np.ascontiguousarray(column, float) for column in points)
+    frame = np.ascontiguousarray(rotation, float)
+    origin = _order(*points, frame)
+    rank = np.empty(len(origin), np.int32)
+    rank[origin] = np.arange(len(origin), dtype=np.int32)
+    return sort_corners(_rotate(*points, frame, origin), origin, rank, faces, shell), rank
+
+
+def _order(x, y, z, frame):
+    """The vertices in order of height; what ties altogether stays in order of the vertices."""
+    height = _turn(x, y, z, *frame[2])
+    order = np.argsort(height).astype(np.int32)
+    if _have_ties(height, order):
+        order = np.lexsort((_turn(x, y, z, *frame[1]), _turn(x, y, z, *frame[0]), height)).astype(np.int32)
+    return order
 
 
 @njit(cache=True)
-def _rotate(points, rotation):
-    out = np.empty_like(points)
-    for i in range(len(points)):
-        for k in range(3):
-            out[i, k] = rotation[k, 0] * points[i, 0] + rotation[k, 1] * points[i, 1] + rotation[k, 2] * points[i, 2]
+def _turn(x, y, z, a, b, c):
+    """The product of points with one direction, summed in the order x, y, z."""
+    out = np.empty(len(x))
+    for i in range(len(x)):
+        out[i] = a * x[i] + b * y[i] + c * z[i]
     return out
 
 
-def rank_surface(points, faces, shell):
-    """The :class:`Ranked` surface of tilted `points` (n, 3) and `faces` (m, 3)."""
-    x, y, z = points.T
-    order = np.argsort(z)
-    if (np.diff(z[order]) == 0).any():
-        order = np.lexsort((y, x, z))  # stable: what ties altogether stays in order of the vertices
-    rank = np.empty(len(order), np.int32)
-    rank[order] = np.arange(len(order))
-    return sort_corners(points[order], order, rank, faces, shell)
-
-
-def sort_corners(points, origin, rank, faces, shell):
-    """The :class:`Ranked` surface of `points` in order of rank and oriented `faces` (m, 3), of each corner its rank."""
-    rank, faces, shell = (np.ascontiguousarray(values, np.int32) for values in (rank, faces, shell))
-    return Ranked(points, origin, *_sort_corners(rank, faces, shell))
+@njit(cache=True)
+def _have_ties(height, order):
+    for i in range(len(order) - 1):
+        if height[order[i]] == height[order[i + 1]]:
+            return True
+    return False
 
 
 @njit(cache=True)
-def _sort_corners(rank, faces, shell):
-    """Corners, orientation and shell of the faces in order of their lowest corners, and the sign changes."""
+def _rotate(x, y, z, frame, order):
+    """Points in the tilted frame (n, 3) in the `order` given, summed in the order x, y, z."""
+    out = np.empty((len(order), 3))
+    for i in range(len(order)):
+        p, q, r = x[order[i]], y[order[i]], z[order[i]]
+        for k in range(3):
+            out[i, k] = frame[k, 0] * p + frame[k, 1] * q + frame[k, 2] * r
+    return out
+
+
+def sort_corners(points, origin, rank, faces, shell):
+    """The :class:`Ranked` surface of `points` in order of rank and of oriented faces.
+
+    rank : (n,) of each vertex; faces : columns a, b, c (m,) of vertices; shell : (m,)
+    """
+    rank, a, b, c, shell = (np.ascontiguousarray(values, np.int32) for values in (rank, *faces, shell))
+    return Ranked(points, origin, *_sort_corners(rank, a, b, c, shell))
+
+
+@njit(cache=True)
+def _sort_corners(rank, one, two, three, shell):
+    """Corners, orientation and shell of the faces in order of their lowest corners, and what that tells of vertices."""
     n = len(rank)
-    m, first, changes = len(faces), np.zeros(n + 1, np.int64), np.zeros(n, np.int64)
+    m, first, changes = len(shell), np.zeros(n + 1, np.int32), np.zeros(n, np.int32)
     corners, even, shells = np.empty((m, 3), np.int32), np.empty(m, np.bool_), np.empty(m, np.int32)
     for f in range(m):
-        first[min(rank[faces[f, 0]], rank[faces[f, 1]], rank[faces[f, 2]]) + 1] += 1
-    first = np.cumsum(first)
+        first[min(rank[one[f]], rank[two[f]], rank[three[f]]) + 1] += 1
+    for v in range(n):
+        first[v + 1] += first[v]
     for f in range(m):
-        a, b, c = rank[faces[f, 0]], rank[faces[f, 1]], rank[faces[f, 2]]
+        a, b, c = rank[one[f]], rank[two[f]], rank[three[f]]
         swaps = 0
         if a > b:
             a, b, swaps = b, a, swaps + 1
@@ -100,7 +131,12 @@ def _sort_corners(rank, faces, shell):
         corners[place, 0], corners[place, 1], corners[place, 2] = a, b, c
         even[place], shells[place] = swaps % 2 == 0, shell[f]
         changes[b] += 1
-    return corners, even, shells, changes
+    index, weight = np.empty(n, np.int8), np.zeros(n + 1, np.int32)
+    for v in range(n):
+        lowest = first[v] > (first[v - 1] if v > 0 else 0)  # in some face; `first` now tells where each run ends
+        index[v] = 1 if changes[v] > 2 else -1 if changes[v] == 2 else 0 if lowest else 2
+        weight[v + 1] = weight[v] + max(changes[v] // 2 - 1, 1)
+    return corners, even, shells, changes, index, weight
 
 
 def oriented_faces(surface):
@@ -111,7 +147,7 @@ def oriented_faces(surface):
 
 def copies(surface):
     """How many simple critical points each vertex stands for, at least 1."""
-    return np.maximum(surface.changes // 2 - 1, 1)
+    return np.diff(surface.weight)
 
 
 def find_sides(surface):
@@ -126,7 +162,7 @@ def _find_sides(corners, even, n):
     first, halves = _sort_halves(corners, n)
     n_sides, m = len(halves) // 2, len(corners)
     lower, upper, faces = np.empty(n_sides, np.int32), np.empty(n_sides, np.int32), np.empty((n_sides, 2), np.int32)
-    of_face, risen, closed, k = np.empty((m, 3), np.int32), np.zeros(n + 1, np.int64), True, 0
+    of_face, risen, closed, k = np.empty((m, 3), np.int32), np.zeros(n + 1, np.int32), True, 0
     for v in range(n):
         closed = closed and (first[v + 1] - first[v]) % 2 == 0
         if not closed:
@@ -140,7 +176,9 @@ def _find_sides(corners, even, n):
             of_face[one // 3, one % 3] = of_face[two // 3, two % 3] = k
             risen[high + 1] += 1
             k += 1
-    by_upper, risen = np.empty(n_sides, np.int32), np.cumsum(risen)
+    by_upper = np.empty(n_sides, np.int32)
+    for v in range(n):
+        risen[v + 1] += risen[v]
     for k in range(n_sides if closed else 0):
         by_upper[risen[upper[k]]] = k
         risen[upper[k]] += 1
@@ -153,11 +191,12 @@ def _sort_halves(corners, n):
 
     Number 3 f + k is of face f the side ab, bc or ac for k = 0, 1, 2.
     """
-    first = np.zeros(n + 2, np.int64)
+    first = np.zeros(n + 2, np.int32)
     for f in range(len(corners)):
         first[corners[f, 0] + 2] += 2
         first[corners[f, 1] + 2] += 1
-    first = np.cumsum(first)
+    for v in range(n + 1):
+        first[v + 1] += first[v]
     halves = np.empty(3 * len(corners), np.int64)
     for f in range(len(corners)):
         for k in range(3):
@@ -178,57 +217,21 @@ def _sort_halves(corners, n):
 
 
 @njit(cache=True)
-def least_rise(points, lower, upper):
-    """The smallest difference of height over mesh edges from `lower` to `upper`."""
-    least = np.inf
-    for k in range(len(lower)):
-        least = min(least, points[upper[k], 2] - points[lower[k], 2])
-    return least
-
-
-@njit(cache=True)
-def count_links(corners, lower, upper, faces, n):
-    """How many link cycles each of n vertices has, (n,) int64: corners joined across the mesh edges at their vertex."""
-    parent = np.arange(3 * len(corners)).astype(np.int32)
-    for side in range(len(lower)):
-        one, two = faces[side, 0], faces[side, 1]
-        for vertex in (lower[side], upper[side]):
-            join(parent, 3 * one + _place(corners, one, vertex), 3 * two + _place(corners, two, vertex))
-    links = np.zeros(n, np.int64)
-    for corner in range(len(parent)):
-        if parent[corner] == corner:
-            links[corners[corner // 3, corner % 3]] += 1
+def count_links(corners, of_face, faces, n):
+    """How many link cycles each of n vertices has, (n,) int32: rounds from face to face across its mesh edges."""
+    seen, links = np.zeros(corners.shape, np.bool_), np.zeros(n, np.int32)
+    for start in range(len(corners)):
+        for corner in range(3):
+            if seen[start, corner]:
+                continue
+            vertex, face, place = corners[start, corner], start, corner
+            links[vertex] += 1
+            side = of_face[face, max(place - 1, 0)]
+            while not seen[face, place]:
+                seen[face, place] = True
+                # its two sides at the vertex are ab and ac, ab and bc, or bc and ac
+                one, two = of_face[face, max(place - 1, 0)], of_face[face, 1 if place == 1 else 2]
+                side = two if side == one else one
+                face = faces[side, 0] + faces[side, 1] - face
+                place = 0 if corners[face, 0] == vertex else 1 if corners[face, 1] == vertex else 2
     return links
-
-
-@njit(cache=True)
-def _place(corners, face, vertex):
-    return 0 if corners[face, 0] == vertex else 1 if corners[face, 1] == vertex else 2
-
-
-@njit(cache=True)
-def measure_shells(points, faces, shell, n):
-    """Area and, by divergence around the middle of its vertices, volume of each of n shells: two (n,) float64."""
-    middle, weight = np.zeros((n, 3)), np.zeros(n)
-    for f in range(len(faces)):
-        weight[shell[f]] += 1
-        for k in range(3):
-            middle[shell[f], k] += points[faces[f, 0], k]
-    middle /= np.maximum(weight, 1).reshape(-1, 1)
-    area, volume = np.zeros(n), np.zeros(n)
-    for f in range(len(faces)):
-        ax, ay, az = _point_around(points, faces[f, 0], middle, shell[f])
-        bx, by, bz = _point_around(points, faces[f, 1], middle, shell[f])
-        cx, cy, cz = _point_around(points, faces[f, 2], middle, shell[f])
-        ux, uy, uz, vx, vy, vz = bx - ax, by - ay, bz - az, cx - ax, cy - ay, cz - az
-        x, y, z = uy * vz - uz * vy, uz * vx - ux * vz, ux * vy - uy * vx
-        area[shell[f]] += np.sqrt(x * x + y * y + z * z) / 2
-        volume[shell[f]] += (ax * x + az * z + ay * y) / 6
-    return area, volume
-
-
-@njit(cache=True)
-def _point_around(points, vertex, middle, shell):
-    """A point as seen from the middle of its shell, a tuple."""
-    x, y, z = points[vertex, 0], points[vertex, 1], points[vertex, 2]
-    return x - middle[shell, 0], y - middle[shell, 1], z - middle[shell, 2]

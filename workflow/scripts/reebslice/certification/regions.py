@@ -118,7 +118,7 @@ def _host_voids(case):
     low, high, body = heights.min(axis=1), heights.max(axis=1), case.body[case.surface.shell]
     for piece in closed.tolist():
         shell = case.piece_shell[piece]
-        own = case.tilted[case.shell_of_vertex == shell]
+        own = case.surface.points[case.rank[case.shell_of_vertex == shell]]
         start, span = own[np.argmax(own[:, 0])], np.ptp(own, axis=0)
         z = start[2] + 1e-7 * 0.618 * span[2] * (1 if start[2] < own[:, 2].mean() else -1)
         other = (case.surface.shell != shell) & (body == case.body[shell])

@@ -23,7 +23,7 @@ def check_levels(case, ledger):
     height, below = t["height"], t["vertices_below"].astype(np.int64)
     tie_x = np.array([np.nan if v is None else v for v in t["tie_x"]], float)
     tie_y = np.array([np.nan if v is None else v for v in t["tie_y"]], float)
-    total = int(copies(case.surface).sum())
+    total = int(case.surface.weight[-1])
     ascending = bool((np.diff(height) >= 0).all() and (np.diff(below) >= 0).all())
     ledger.enter("levels_ascend", ascending, True)
     low, high = count_below(case.surface, height, tie_x, tie_y)
@@ -54,9 +54,7 @@ def check_contours(case, ledger):
     ledger.rows("contours.geometry", drawn, "a closed line string in the plane")
     if not drawn.all():
         return
-    rank = np.empty(len(case.surface.origin), np.int64)
-    rank[case.surface.origin] = np.arange(len(rank))
-    ends = np.stack([rank[t["lower_vertex"]], rank[t["upper_vertex"]]], axis=1)
+    ends = np.stack([case.rank[t["lower_vertex"]], case.rank[t["upper_vertex"]]], axis=1)
 
     def rings_at(level):
         here = np.flatnonzero(t["level"] == level)
@@ -67,11 +65,8 @@ def check_contours(case, ledger):
     case.split, case.split_sides = split, case.sides if split is case.surface else find_sides(split)
     anchors = {"level": t["level"].astype(np.int64)}
     anchors |= {end: t[f"{end}_vertex"].astype(np.int64) for end in ("lower", "upper")}
-    doubled = np.empty(len(case.model), np.int64)
-    doubled[case.surface.origin] = copies(case.surface) - 1
-    case.recount = found = recount(
-        split, case.split_sides, case.levels | {"below": below}, anchors, doubled[split.origin]
-    )
+    doubled = copies(case.surface)[case.rank[split.origin]] - 1
+    case.recount = found = recount(split, case.split_sides, case.levels | {"below": below}, anchors, doubled)
     case.exact = ExactLevels(split, case.split_sides, below, t["level"], found.side)
     ledger.rows("contours.anchors", found.anchored, "one contour of the mesh per row")
     counted = np.bincount(t["level"], minlength=len(below))
@@ -107,9 +102,7 @@ def _check_gaps(case, ledger):
 
 def _check_positions(case, ledger, t):
     """Every curve passes through the crossing at its anchor."""
-    rank = np.empty(len(case.surface.origin), np.int64)
-    rank[case.surface.origin] = np.arange(len(rank))
-    low, high, level = rank[t["lower_vertex"]], rank[t["upper_vertex"]], t["level"]
+    low, high, level = case.rank[t["lower_vertex"]], case.rank[t["upper_vertex"]], t["level"]
     spots = cross(case.surface, low, high, *(case.levels[k][level] for k in ("height", "tie_x", "tie_y")))
     single = low != high
     passes = pass_spots(*case.curves, spots, case.noise)
@@ -211,16 +204,7 @@ def _check_essential(case, ledger, t):
         "pieces.critical", [a == b for a, b in zip(t["critical"], members)], "vertices that the elder rule leaves"
     )
     case.essential = members
-    changes = case.surface.changes
-    index = 1 - changes // 2
-    ledger.enter("sum_of_vertex_indices", int(index.sum()), case.euler)
-    top = np.zeros(len(changes), bool)
-    top[case.surface.corners[:, 2]] = True
-    case.index_of_vertex = np.empty(len(changes), np.int64)
-    case.index_of_vertex[case.surface.origin] = np.where(
-        changes == 0, np.where(top, 2, 0), np.where(changes == 2, -1, 1)
-    )
-    case.total_copies = copies(case.surface)
+    ledger.enter("sum_of_vertex_indices", int((1 - case.surface.changes // 2).sum()), case.euler)
     ranks = [rank for ranks in t["critical_ranks"] for rank in ranks]
     decoded = _surface_vertices(case, np.array(ranks, np.int64))
     flat = [vertex for vertices in t["critical"] for vertex in vertices]
@@ -231,7 +215,7 @@ def _check_essential(case, ledger, t):
 
 def _surface_vertices(case, ranks):
     """The surface vertex of ranks that count every copy of a multiple saddle; -1 for none."""
-    total = np.cumsum(case.total_copies)
-    place = np.searchsorted(total, ranks, side="right")
-    known = (ranks >= 0) & (place < len(total))
-    return np.where(known, case.surface.origin[np.minimum(place, len(total) - 1)], -1)
+    origin, weight = case.surface.origin, case.surface.weight
+    place = np.searchsorted(weight, ranks.astype(weight.dtype), side="right") - 1
+    known = (place >= 0) & (place < len(origin))
+    return np.where(known, origin[np.clip(place, 0, len(origin) - 1)], -1)

@@ -7,25 +7,23 @@ its findings in; what it recomputes it leaves in the case for later checks.
 import numpy as np
 
 from .recount_joins import find_components
+from .recount_measures import label_vertices, largest_terms, least_rise, measure_shells
 from .recount_nesting import find_around, find_body, find_parent
-from .recount_surface import count_links, find_sides, least_rise, measure_shells, rank_surface, rotate
+from .recount_surface import copies, count_links, find_sides, rank_surface
 
 
 def check_mesh(case, ledger):
     """The surface is closed and oriented, and its shells are as the table says."""
     t = case.columns
-    points = np.stack([t.vertices[axis] for axis in "xyz"], axis=1)
-    faces = np.stack([t.faces[corner] for corner in "abc"], axis=1)
+    case.points, case.faces = [t.vertices[axis] for axis in "xyz"], [t.faces[corner] for corner in "abc"]
     case.rotation = np.asarray(case.tilt["rotation"], float)
-    case.tilted = rotate(points, case.rotation)
-    case.surface = rank_surface(case.tilted, faces, t.faces["shell"])
+    case.surface, case.rank = rank_surface(case.points, case.rotation, case.faces, t.faces["shell"])
     case.sides = find_sides(case.surface)
-    case.model, case.faces = points, faces
     ledger.enter("surface_is_closed_and_oriented", case.sides is not None, True)
     if case.sides is None:
         return
     # offsets and areas of this size are lost in the rounding of coordinates
-    case.reach = float(np.abs(case.tilted).max())
+    case.reach = float(max(case.surface.points.max(), -case.surface.points.min()))
     case.noise = 64 * np.finfo(float).eps * case.reach
     _check_links(case, ledger)
     _check_shells(case, ledger)
@@ -33,23 +31,20 @@ def check_mesh(case, ledger):
 
 def _check_links(case, ledger):
     """Every vertex has one link cycle: corners around it are joined across mesh edges."""
-    n, sides = len(case.model), case.sides
-    links = count_links(case.surface.corners, sides.lower, sides.upper, sides.faces, n)
+    n, sides = len(case.rank), case.sides
+    links = count_links(case.surface.corners, sides.of_face, sides.faces, n)
     ledger.enter("vertices_with_one_link", int((links == 1).sum()), n)
 
 
 def _check_shells(case, ledger):
-    t, faces, n = case.columns, case.faces, len(case.model)
+    t, n = case.columns, len(case.rank)
     count = len(t.shells["shell"])
-    n_parts, part = find_components(case.sides.lower, case.sides.upper, n)
+    n_parts, _ = find_components(case.sides.lower, case.sides.upper, n)
     shell = t.faces["shell"]  # in the order of `faces`
     case.n_shells = count
-    case.shell_of_vertex = np.zeros(n, np.int64)
-    case.shell_of_vertex[faces] = shell[:, None]
-    shell_of_part = np.zeros(n_parts, np.int64)
-    shell_of_part[part] = case.shell_of_vertex[case.surface.origin]
-    same = n_parts == count == len(np.unique(shell_of_part))
-    same = same and bool((shell_of_part[part[case.surface.corners[:, 0]]] == case.surface.shell).all())
+    label, agree = label_vertices(case.surface.corners, case.surface.shell, n)
+    case.shell_of_vertex = label[case.rank]
+    same = bool(agree) and n_parts == count == np.count_nonzero(np.bincount(label))
     ledger.enter("shells_are_components", same, True)
     n_vertices = np.bincount(case.shell_of_vertex, minlength=count)
     n_faces = np.bincount(shell, minlength=count)
@@ -73,9 +68,9 @@ def _check_shells(case, ledger):
 def _check_shell_measures(case, ledger, shell, count):
     """Areas, volumes, voids and bodies of the shells."""
     t = case.columns
-    areas, volumes = measure_shells(case.model, case.faces, shell, count)
+    areas, volumes = measure_shells(case.points, case.faces, shell, count)
     case.area, case.volume = float(areas.sum()), float(volumes.sum())
-    extent = float(np.linalg.norm(np.ptp(case.model, axis=0)))
+    extent = float(np.linalg.norm([np.ptp(column) for column in case.points]))
     case.area_noise = 1e-11 * case.area
     case.volume_noise = 1e-11 * case.area * extent + case.noise * case.area
     ledger.rows("shells.area", np.abs(t.shells["area"] - areas) <= case.area_noise, "area summed over the faces")
@@ -89,7 +84,7 @@ def _check_shell_measures(case, ledger, shell, count):
 def _check_nesting(case, ledger, shell, size):
     """Bodies and parents of the shells, by which shells are around each; size : absolute volumes."""
     t = case.columns.shells
-    around, unsure = find_around(case.model, case.faces, shell, case.n_shells)
+    around, unsure = find_around(case.points, case.faces, shell, case.n_shells)
     parent, is_open = find_parent(around, unsure, size)
     stated = np.array([-1 if p is None else p for p in t["parent"]], np.int64)
     ledger.rows("shells.parent", is_open | (stated == parent), "the smallest shell around it")
@@ -122,7 +117,7 @@ def _check_morse(case, ledger, direction):
     unit = np.finfo(float).eps / 2
     # each height is three products and two sums; along an axis nothing rounds
     exact = np.count_nonzero(direction) == 1
-    rounding = 0.0 if exact else 6 * unit * float((np.abs(case.model) @ np.abs(direction)).max())
+    rounding = 0.0 if exact else 6 * unit * float(largest_terms(*case.points, direction))
     word = "proven" if case.least_rise > rounding else "by_sos"
     ledger.enter("tilt.morse", case.tilt.get("morse"), word)
     margin = case.tilt.get("margin")
@@ -130,12 +125,11 @@ def _check_morse(case, ledger, direction):
     ledger.enter(
         "tilt.margin", margin, case.least_rise, holds, "" if holds else "It is not the smallest rise over a mesh edge."
     )
-    changes, top = case.surface.changes, np.zeros(len(case.model), bool)
-    top[case.surface.corners[:, 2]] = True
+    index = case.surface.index
     counts = {
-        "minima": int(((changes == 0) & ~top).sum()),
-        "saddles": int(np.maximum(changes // 2 - 1, 0).sum()),
-        "maxima": int(((changes == 0) & top).sum()),
+        "minima": int((index == 0).sum()),
+        "saddles": int(copies(case.surface)[index == 1].sum()),
+        "maxima": int((index == 2).sum()),
     }
     ledger.enter("tilt.critical", case.tilt.get("critical"), counts)
     ledger.enter(

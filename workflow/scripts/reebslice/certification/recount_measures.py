@@ -1,0 +1,66 @@
+"""Figures of a surface as a whole and of its shells, counted again."""
+
+import numpy as np
+from numba import njit
+
+
+@njit(cache=True)
+def least_rise(points, lower, upper):
+    """The smallest difference of height over mesh edges from `lower` to `upper`."""
+    least = np.inf
+    for k in range(len(lower)):
+        least = min(least, points[upper[k], 2] - points[lower[k], 2])
+    return least
+
+
+@njit(cache=True)
+def label_vertices(corners, shell, n):
+    """The shell of each of n vertices by that of some face of it, (n,) int32, and whether all its faces agree."""
+    label, agree = np.zeros(n, np.int32), True
+    for f in range(len(corners)):
+        for k in range(3):
+            label[corners[f, k]] = shell[f]
+    for f in range(len(corners)):
+        for k in range(3):
+            agree = agree and label[corners[f, k]] == shell[f]
+    return label, agree
+
+
+@njit(cache=True)
+def largest_terms(x, y, z, direction):
+    """The largest sum of the absolute terms of the product of a point with a direction."""
+    a, b, c = direction
+    largest = 0.0
+    for i in range(len(x)):
+        largest = max(largest, abs(a * x[i]) + abs(b * y[i]) + abs(c * z[i]))
+    return largest
+
+
+def measure_shells(points, faces, shell, n):
+    """Area and, by divergence around the middle of its vertices, volume of each of n shells: two (n,) float64.
+
+    points, faces : columns x, y, z and a, b, c
+    """
+    return _measure_shells(*points, *faces, shell, n)
+
+
+@njit(cache=True)
+def _measure_shells(x, y, z, a, b, c, shell, n):
+    middle, weight = np.zeros((n, 3)), np.zeros(n)
+    for f in range(len(shell)):
+        weight[shell[f]] += 1
+        middle[shell[f], 0] += x[a[f]]
+        middle[shell[f], 1] += y[a[f]]
+        middle[shell[f], 2] += z[a[f]]
+    middle /= np.maximum(weight, 1).reshape(-1, 1)
+    area, volume = np.zeros(n), np.zeros(n)
+    for f in range(len(shell)):
+        mx, my, mz = middle[shell[f], 0], middle[shell[f], 1], middle[shell[f], 2]
+        ax, ay, az = x[a[f]] - mx, y[a[f]] - my, z[a[f]] - mz
+        bx, by, bz = x[b[f]] - mx, y[b[f]] - my, z[b[f]] - mz
+        cx, cy, cz = x[c[f]] - mx, y[c[f]] - my, z[c[f]] - mz
+        ux, uy, uz, vx, vy, vz = bx - ax, by - ay, bz - az, cx - ax, cy - ay, cz - az
+        px, py, pz = uy * vz - uz * vy, uz * vx - ux * vz, ux * vy - uy * vx
+        area[shell[f]] += np.sqrt(px * px + py * py + pz * pz) / 2
+        volume[shell[f]] += (ax * px + az * pz + ay * py) / 6
+    return area, volume
