@@ -30,7 +30,5 @@ def pin_closure(requirements):
 if __name__ == "__main__":
     project = tomllib.loads((Path(__file__).parent.parent / "pyproject.toml").read_text())["project"]
     print("# Every package of the environment that `make` creates, pinned. Made by `make lock`; do not edit.")
-    for name, version in pin_closure(
-        project["dependencies"] + project["optional-dependencies"]["test"]
-    ).items():
+    for name, version in pin_closure(project["dependencies"] + project["optional-dependencies"]["test"]).items():
         print(f"{name}=={version}")

@@ -13,13 +13,15 @@ import numpy as np
 import pytest
 
 from bumpy_meshes import bumpy_torus, level_heights, white_noise
-from reebslice.critical import unfold_saddles, vertex_indices
-from reebslice.exact_graphs import solid_reeb_graph
-from reebslice.heightmesh import order_by_height
-from reebslice.levels import cut_surface, make_levels, nested_contours
-from reebslice.merging import merge_exactly
-from reebslice.reeb import surface_reeb_graph
-from reebslice.slicing import trace_contours
+from reebslice.graphs.exact import solid_reeb_graph
+from reebslice.mesh.merging import merge_exactly
+from reebslice.morse.critical_points import vertex_indices
+from reebslice.morse.height_mesh import order_by_height
+from reebslice.morse.reeb_graph import surface_reeb_graph
+from reebslice.morse.unfolding import unfold_saddles
+from reebslice.slicing.contours import trace_contours
+from reebslice.slicing.levels import make_levels
+from reebslice.slicing.slices import cut_surface, nested_contours
 
 pytest.importorskip("pytest_benchmark", reason="pip install pytest-benchmark")
 LEVELS = 1000

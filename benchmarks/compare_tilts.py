@@ -22,25 +22,29 @@ import yaml
 ROOT = Path(__file__).parents[1]
 sys.path.insert(0, str(ROOT / "workflow" / "scripts"))
 
-from sources import compiled_code_folder  # noqa: E402
+from corpus.code_digest import compiled_code_folder
 
 os.environ.setdefault("NUMBA_CACHE_DIR", str(compiled_code_folder(ROOT / "workflow" / "scripts" / "reebslice")))
 
-from corpus import find_models  # noqa: E402
-from mesh_formats import UnreadableMesh, read_mesh  # noqa: E402
-from reebslice.critical import unfold_saddles  # noqa: E402
-from reebslice.directions import fewest_levels  # noqa: E402
-from reebslice.heightmesh import find_twins, order_by_height  # noqa: E402
-from reebslice.inspection import inspect_surface  # noqa: E402
-from reebslice.scanning import find_critical_points  # noqa: E402
-from reebslice.surveying import survey_surface  # noqa: E402
-from reebslice.tilts import (  # noqa: E402
+from corpus.discovery import find_models
+from reebslice.formats.meshes import (
+    UnreadableMesh,
+    read_mesh,
+)
+from reebslice.mesh.half_edges import find_twins
+from reebslice.mesh.inspection import inspect_surface
+from reebslice.morse.height_mesh import order_by_height
+from reebslice.morse.unfolding import unfold_saddles
+from reebslice.tilt.choice import (
     ANGLE_COST,
     assess_directions,
     candidate_directions,
     rotation_to_vertical,
     select_tilt,
 )
+from reebslice.tilt.cone import survey_surface
+from reebslice.tilt.scan import find_critical_points
+from reebslice.tilt.score import fewest_levels
 
 RANDOM_DIRECTIONS, RANDOM_SEED = 5, 2026
 # A model is CAD if at least this share of its area lies in flats: faces with

@@ -12,22 +12,35 @@ import argparse
 import io
 from pathlib import Path
 
-import networkx as nx  # noqa: E402
-import numpy as np  # noqa: E402
-from matplotlib.backends.backend_agg import FigureCanvasAgg  # noqa: E402
-from matplotlib.figure import Figure  # noqa: E402
-from matplotlib.lines import Line2D  # noqa: E402
-from PIL import Image  # noqa: E402
+import networkx as nx
+import numpy as np
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+from PIL import Image
 
-from draw import stack_columns, tilt_points, trace_solid_arcs  # noqa: E402
+from corpus.storage import (
+    read_json,
+    read_table,
+)
 from model_runs import read_figures, run_model
-from reebslice.canvas import new_canvas  # noqa: E402
-from reebslice.graphml import Graph  # noqa: E402
-from reebslice.marks import INK, MARKS  # noqa: E402
-from reebslice.pictures import SOFT, draw_in_body  # noqa: E402
-from reebslice.shading import widest_azimuth  # noqa: E402
-from reebslice.views import fit_view  # noqa: E402
-from storage import read_json, read_table  # noqa: E402
+from reebslice.drawing.canvas import new_canvas
+from reebslice.drawing.marks import (
+    INK,
+    MARKS,
+)
+from reebslice.drawing.model import (
+    stack_columns,
+    tilt_points,
+    trace_solid_arcs,
+)
+from reebslice.drawing.picture import (
+    SOFT,
+    draw_in_body,
+)
+from reebslice.drawing.shading import widest_azimuth
+from reebslice.drawing.views import fit_view
+from reebslice.formats.graphml import Graph
 
 PANEL, GAP, TITLE, FOOT = (300, 250), 50, 40, 40  # pixels
 DOTS_PER_INCH, ELEVATION = 100, 15

@@ -33,33 +33,33 @@ class Entrant(NamedTuple):
 
 
 def order_mesh(points, faces):
-    from reebslice.heightmesh import order_by_height
+    from reebslice.morse.height_mesh import order_by_height
 
     return order_by_height(points, faces, np.eye(3))
 
 
 def order_simple(points, faces):
-    from reebslice.critical import unfold_saddles
+    from reebslice.morse.unfolding import unfold_saddles
 
     return unfold_saddles(order_mesh(points, faces))
 
 
 def trace(mesh, heights):
-    from reebslice.levels import make_levels
-    from reebslice.slicing import trace_contours
+    from reebslice.slicing.contours import trace_contours
+    from reebslice.slicing.levels import make_levels
 
     return trace_contours(mesh, make_levels(mesh, heights))
 
 
 def nest(mesh, heights):
-    from reebslice.levels import nested_contours
+    from reebslice.slicing.slices import nested_contours
 
     return nested_contours(mesh, heights)
 
 
 def check_contours(contours):
     """The figures, and the seconds that a copy of the points takes: no program can be faster."""
-    from reebslice.slicing import measure_contours
+    from reebslice.slicing.contours import measure_contours
 
     area, copies, start = measure_contours(contours)[0], 0, processor_seconds()
     while (seconds := processor_seconds() - start) < 0.2:
@@ -77,7 +77,7 @@ def check_regions(nested):
 
 
 def sweep(mesh, _):
-    from reebslice.reeb import surface_reeb_graph
+    from reebslice.morse.reeb_graph import surface_reeb_graph
 
     return surface_reeb_graph(mesh)
 
@@ -88,8 +88,8 @@ def check_graph(graph):
 
 def solve(mesh, _):
     """Both exact graphs, as `exact_graphs` makes them once the mesh is in order of height."""
-    from reebslice.exact_graphs import solid_reeb_graph
-    from reebslice.reeb import surface_reeb_graph
+    from reebslice.graphs.exact import solid_reeb_graph
+    from reebslice.morse.reeb_graph import surface_reeb_graph
 
     surface = surface_reeb_graph(mesh)
     return surface, solid_reeb_graph(mesh, surface, np.zeros(len(mesh.points), np.int32))

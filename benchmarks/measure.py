@@ -73,7 +73,7 @@ def read_status(field):
 
 if __name__ == "__main__":
     sys.path.insert(0, str(SCRIPTS))
-    from sources import compiled_code_folder
+    from corpus.code_digest import compiled_code_folder
 
     os.environ.setdefault("NUMBA_CACHE_DIR", str(compiled_code_folder(SCRIPTS / "reebslice")))
     main(*sys.argv[1:])

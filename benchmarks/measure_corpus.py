@@ -24,7 +24,7 @@ import trimesh
 ROOT = Path(__file__).parents[1]
 sys.path.insert(0, str(ROOT / "workflow" / "scripts"))
 
-from batches import STAGES  # noqa: E402
+from corpus.layout import STAGES
 
 # What each run is called, the stages that compute all models anew in it, and what differs from the configuration.
 RUNS = (

@@ -10,7 +10,7 @@ import argparse
 import re
 from pathlib import Path
 
-from batches import Rejected  # noqa: E402
+from corpus.stages import Rejected
 from model_runs import ROOT, read_figures, run_model
 
 HEAD = (

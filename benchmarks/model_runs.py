@@ -12,11 +12,11 @@ import yaml
 ROOT = Path(__file__).parents[1]
 sys.path.insert(0, str(ROOT / "workflow" / "scripts"))
 
-from sources import compiled_code_folder  # noqa: E402
+from corpus.code_digest import compiled_code_folder
 
 os.environ.setdefault("NUMBA_CACHE_DIR", str(compiled_code_folder(ROOT / "workflow" / "scripts" / "reebslice")))
 
-from storage import read_table  # noqa: E402
+from corpus.storage import read_table
 
 CONFIG = yaml.safe_load((ROOT / "config" / "config.yaml").read_text())
 FIRST = ("inspect_mesh", "select_tilt")

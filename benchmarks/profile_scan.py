@@ -22,9 +22,9 @@ from statistics import median
 import numpy as np
 
 from bumpy_meshes import bumpy_torus, level_heights
+from corpus.process import lighten
 from make_corpus import write_stl
 from model_runs import stage_options
-from surroundings import lighten
 
 STAGES = tuple(stage_options())
 
@@ -81,16 +81,16 @@ def measure(task, folder, levels):
 
 def read(_, folder, name, __):
     """From the file to merged arrays."""
-    from mesh_formats import read_mesh
-    from reebslice.merging import merge_exactly
+    from reebslice.formats.meshes import read_mesh
+    from reebslice.mesh.merging import merge_exactly
 
     merge_exactly(*read_mesh(folder / f"{name}.stl"))
 
 
 def cut(_, folder, name, levels):
     """From arrays to nested contours."""
-    from reebslice.heightmesh import order_by_height
-    from reebslice.levels import nested_contours
+    from reebslice.morse.height_mesh import order_by_height
+    from reebslice.slicing.slices import nested_contours
 
     points, faces = np.load(folder / f"{name}.npz").values()
     nested_contours(order_by_height(points, faces, np.eye(3)), level_heights(points, levels))

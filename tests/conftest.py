@@ -3,7 +3,7 @@
 import os
 from pathlib import Path
 
-from sources import compiled_code_folder
+from corpus.code_digest import compiled_code_folder
 
 # Before any test imports numba, which reads it once.
 LIBRARY = Path(__file__).parent.parent / "workflow" / "scripts" / "reebslice"

@@ -8,9 +8,9 @@ from pathlib import Path
 import networkx as nx
 import numpy as np
 
+from corpus.storage import read_table
 from reebslice.certification.graphml import ReadGraph
 from reebslice.schemas import EVENTS, GRAPHS, MODEL_TABLES
-from storage import read_table
 
 STAGES = {
     "inspect_mesh": "inspect",

@@ -13,10 +13,10 @@ import shapely
 
 import certify
 import solids
+from corpus.storage import read_json
 from pipeline import run_stages
 from reference import count_loops
 from solids import box, carve, icosphere, move, nest, torus, transform, unite
-from storage import read_json
 
 OBLIQUE = [0.31, 0.23, 0.92]
 DIRECTIONS = {"upright": {"mode": "none"}, "oblique": {"mode": "direction", "direction": OBLIQUE}}

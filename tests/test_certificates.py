@@ -12,9 +12,10 @@ import pytest
 import shapely
 
 from certify import mesh_lengths
+from corpus.code_digest import find_sources
+from corpus.storage import read_json, read_table
 from pipeline import OPTIONS, TABLES, as_read, run_stages
-from reebslice.certification import certificates
-from reebslice.certification.certificates import certify
+from reebslice.certification.certificate import certify
 from reebslice.certification.graphml import parse_graph
 from reebslice.schemas import EVENTS, GRAPHS, PIECE_KINDS, SCHEMAS
 from solids import (
@@ -34,8 +35,6 @@ from solids import (
     unite,
     winding_voids,
 )  # fmt: skip
-from sources import find_sources
-from storage import read_json, read_table
 
 SIZE = 0.2  # feature size, mesh units
 
@@ -152,7 +151,7 @@ def test_lengths_are_relative_to_the_height_range():
 
 
 def test_the_certifier_shares_no_code_with_what_it_certifies():
-    scripts = Path(certificates.__file__).parents[2]
+    scripts = Path(__file__).parents[1] / "workflow" / "scripts"
     library = {path.relative_to(scripts).as_posix() for path in find_sources(scripts / "certify.py")}
     shared = {name for name in library if name.startswith("reebslice/") and "/certification/" not in name}
     assert shared == {"reebslice/__init__.py", "reebslice/schemas.py"}

@@ -14,8 +14,9 @@ import shapely
 import solids
 from compare_links import main as compare_links
 from compare_methods import main as gather
+from corpus.storage import read_table
 from pipeline import run_stages, write_off
-from reebslice.comparison import (
+from reebslice.links.comparison import (
     EVERY,
     KINDS,
     METHODS,
@@ -26,8 +27,7 @@ from reebslice.comparison import (
     model_half,
     rates,
 )
-from reebslice.similarity import near_pairs
-from storage import read_table
+from reebslice.links.similarity import near_pairs
 
 ROOT = Path(__file__).parent.parent
 OPTIONS = {"levels": [8, 40], "tilts": ["none", "random"], "cone": 15, "candidates": 8, "seed": 0}

@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 import yaml
 
-from configuration import ConfigError, check_config
+from corpus.configuration import ConfigError, check_config
 
 ROOT = Path(__file__).parent.parent
 SCHEMA = yaml.safe_load((ROOT / "workflow" / "schemas" / "config.schema.yaml").read_text())

@@ -7,13 +7,17 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import solids
-from reebslice import tables
-from reebslice.critical import unfold_saddles
-from reebslice.heightmesh import canonical_faces, find_twins, order_by_height
-from reebslice.levels import cut_surface, make_levels, nested_blocks, nested_contours, uniform_heights
-from reebslice.pairing import connected_vertices, pair_in_slabs
-from reebslice.slicing import measure_contours, share_out, trace_blocks, trace_contours, trace_crossings, vertex_slabs
-from storage import read_blocks, read_table, write_blocks
+from corpus.storage import read_blocks, read_table, write_blocks
+from reebslice.arrays.grouping import share_out
+from reebslice.mesh.half_edges import find_twins
+from reebslice.mesh.orders import canonical_faces
+from reebslice.morse.height_mesh import order_by_height
+from reebslice.morse.unfolding import unfold_saddles
+from reebslice.slicing import tables
+from reebslice.slicing.contours import measure_contours, trace_blocks, trace_contours, trace_crossings
+from reebslice.slicing.levels import make_levels, uniform_heights, vertex_slabs
+from reebslice.slicing.pairing import connected_vertices, pair_in_slabs
+from reebslice.slicing.slices import cut_surface, nested_blocks, nested_contours
 
 some = settings(max_examples=30, deadline=None, derandomize=True)
 cases = given(solids.any_solids(), st.integers(0, 3), st.integers(1, 12))

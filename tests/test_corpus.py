@@ -10,13 +10,15 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-import batches
-import collect_models
-import corpus
-from batches import MODELS_FOLDER, STAGES, STATUS_SCHEMA, Rejected, make_key, receipt_name, run_models
-from corpus import CorpusError, MeshFile, find_broken_promises, find_models, form_batches
-from sources import digest_code, find_sources, read_outputs
-from storage import read_json, write_json, write_parquet
+from corpus import batches, layout, model_table, promises, stages
+from corpus.batches import form_batches
+from corpus.code_digest import digest_code, find_sources, read_outputs
+from corpus.discovery import CorpusError, MeshFile, find_models
+from corpus.layout import MODELS_FOLDER, STAGES, STATUS_SCHEMA
+from corpus.promises import find_broken_promises
+from corpus.receipts import make_key, receipt_name
+from corpus.stages import Rejected, run_models
+from corpus.storage import read_json, write_json, write_parquet
 
 SCRIPTS = Path(__file__).parent.parent / "workflow" / "scripts"
 
@@ -86,7 +88,7 @@ def some_models(count, size=100):
 
 
 def work_of(models, members):
-    return sum(1 + models[model].size / corpus.SMALL_MESH for model in members)
+    return sum(1 + models[model].size / batches.SMALL_MESH for model in members)
 
 
 @pytest.mark.parametrize(
@@ -109,11 +111,11 @@ def test_a_large_corpus_makes_larger_batches():
 )
 def test_batches_deal_out_every_model_once_and_share_the_work(sizes, size, most):
     models = {f"model{i:03d}": MeshFile(f"m/{i}.stl", number, 0) for i, number in enumerate(sizes)}
-    batches = form_batches(models, size, most)
-    assert sorted(model for members in batches.values() for model in members) == list(models)
-    limit = corpus._find_limit(models, size, most)
-    for name, members in batches.items():
-        alone = len(members) == 1 and (models[members[0]].size > corpus.LARGE_MESH or work_of(models, members) > limit)
+    dealt = form_batches(models, size, most)
+    assert sorted(model for members in dealt.values() for model in members) == list(models)
+    limit = batches._find_limit(models, size, most)
+    for name, members in dealt.items():
+        alone = len(members) == 1 and (models[members[0]].size > batches.LARGE_MESH or work_of(models, members) > limit)
         assert alone == name.startswith("alone-")
         assert alone or work_of(models, members) <= limit
 
@@ -129,27 +131,27 @@ def test_one_mesh_more_or_less_changes_one_batch():
 
 
 def test_a_large_mesh_is_alone():
-    models = some_models(10) | {"huge": MeshFile("m/huge.stl", corpus.LARGE_MESH + 1, 0)}
+    models = some_models(10) | {"huge": MeshFile("m/huge.stl", batches.LARGE_MESH + 1, 0)}
     alone = [members for name, members in form_batches(models, 32, 32).items() if name.startswith("alone-")]
     assert alone == [["huge"]]
 
 
 def test_predicted_resources_grow_with_the_meshes():
     models = some_models(10) | {"huge": MeshFile("m/huge.stl", 50 * 2**20, 0)}
-    assert corpus.predict_memory(models, ["huge"]) > 2 * corpus.predict_memory(models, ["model00000", "model00001"])
-    few, many = (corpus.predict_minutes(some_models(count), some_models(count)) for count in (1, 1000))
+    assert batches.predict_memory(models, ["huge"]) > 2 * batches.predict_memory(models, ["model00000", "model00001"])
+    few, many = (batches.predict_minutes(some_models(count), some_models(count)) for count in (1, 1000))
     assert few < 15 and many > 30
 
 
 def test_the_work_of_batches_adds_up():
-    models = some_models(9, size=corpus.SMALL_MESH)
-    assert corpus.predict_work(models, models) == 18
-    assert corpus.predict_work(models, list(models)[:4]) + corpus.predict_work(models, list(models)[4:]) == 18
+    models = some_models(9, size=batches.SMALL_MESH)
+    assert batches.predict_work(models, models) == 18
+    assert batches.predict_work(models, list(models)[:4]) + batches.predict_work(models, list(models)[4:]) == 18
 
 
 def test_a_mesh_replaced_by_an_older_file_is_noticed():
     old, new = {"a": MeshFile("a.stl", 10, 5)}, {"a": MeshFile("a.stl", 10, 4)}
-    assert corpus.describe_meshes(old, ["a"]) != corpus.describe_meshes(new, ["a"])
+    assert batches.describe_meshes(old, ["a"]) != batches.describe_meshes(new, ["a"])
 
 
 # Code
@@ -181,8 +183,8 @@ def test_sources_are_followed_through_every_form_of_import():
 def test_every_stage_declares_outputs_and_depends_on_what_runs_it(stage):
     assert read_outputs(SCRIPTS / f"{stage}.py")
     names = {path.name for path in find_sources(SCRIPTS / f"{stage}.py")}
-    assert {"batches.py", "storage.py", "schemas.py"} <= names
-    assert not {"corpus.py", "sources.py"} & names
+    assert {"stages.py", "storage.py", "schemas.py"} <= names
+    assert not {"discovery.py", "code_digest.py"} & names
 
 
 # One stage over a batch
@@ -215,7 +217,7 @@ def first_rows(**words):
     for model, word in words.items():
         put(f"m/{model}.stl")
         Path(f"m/{model}.stl").write_text(word)
-    return batches._first_rows(list(words), [f"m/{model}.stl" for model in words])
+    return stages._first_rows(list(words), [f"m/{model}.stl" for model in words])
 
 
 def run(stage, rows, name="inspect_mesh", options=None, code="c"):
@@ -298,15 +300,15 @@ def test_key_depends_on_all_of_its_parts_and_not_on_the_order_of_options():
 
 def promised(rows, stage):
     """The status table of one batch, as Snakemake would track it."""
-    path = corpus.STATUS_FOLDER / stage / "batch-all.parquet"
-    write_parquet(path, batches.pa.Table.from_pylist(list(rows), schema=batches.STATUS_SCHEMA))
+    path = layout.STATUS_FOLDER / stage / "batch-all.parquet"
+    write_parquet(path, pa.Table.from_pylist(list(rows), schema=layout.STATUS_SCHEMA))
     return str(path)
 
 
 @pytest.fixture
 def corpus_of_two_stages(monkeypatch):
     """One good and one rejected model, computed by two stages; with their outputs."""
-    monkeypatch.setattr(corpus, "STAGES", STAGES[:2])
+    monkeypatch.setattr(promises, "STAGES", STAGES[:2])
     inspect, tilt = Stage(), Stage("tilt_")
     rows = run(inspect, first_rows(a="x", b="reject"))
     first = promised(rows.values(), STAGES[0])
@@ -353,9 +355,9 @@ def models_of(*batches):
         rows = [row | {"model": model, "path": f"m/{model}.stl"} for model in models]
         for stage in STAGES:
             table = pa.Table.from_pylist(rows, schema=STATUS_SCHEMA)
-            write_parquet(corpus.STATUS_FOLDER / stage / f"{name}.parquet", table)
-    last = [corpus.STATUS_FOLDER / STAGES[-1] / f"{name}.parquet" for name, _ in batches]
-    return collect_models.main(last).combine_chunks()
+            write_parquet(layout.STATUS_FOLDER / stage / f"{name}.parquet", table)
+    last = [layout.STATUS_FOLDER / STAGES[-1] / f"{name}.parquet" for name, _ in batches]
+    return model_table.make_model_table(last).combine_chunks()
 
 
 def test_the_table_of_models_does_not_depend_on_the_batches():

@@ -6,10 +6,13 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import solids
-from reebslice.critical import link_areas, morse_indices, saddle_contours, unfold_saddles, vertex_indices
-from reebslice.heightmesh import cross_at, find_twins, order_by_height
-from reebslice.pairing import connected_vertices
-from reebslice.reeb import critical_persistence, surface_reeb_graph
+from reebslice.handles.sides import link_areas, saddle_contours
+from reebslice.mesh.half_edges import find_twins
+from reebslice.morse.critical_points import morse_indices, vertex_indices
+from reebslice.morse.height_mesh import cross_at, order_by_height
+from reebslice.morse.reeb_graph import critical_persistence, surface_reeb_graph
+from reebslice.morse.unfolding import unfold_saddles
+from reebslice.slicing.pairing import connected_vertices
 
 
 def height_mesh(solid, seed=None):

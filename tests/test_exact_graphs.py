@@ -9,14 +9,19 @@ from hypothesis import strategies as st
 
 import reference
 import solids
-from reebslice.critical import unfold_saddles, vertex_indices
-from reebslice.exact_graphs import exact_graphs
-from reebslice.graph_slices import contours_of_arcs, trace_arcs_at_levels
-from reebslice.heightmesh import canonical_faces, find_twins, order_by_height
-from reebslice.levels import cut_along_arcs, cut_surface, make_levels, slice_surface, uniform_heights
-from reebslice.pairing import connected_vertices
-from reebslice.reeb import surface_reeb_graph
-from reebslice.slicing import trace_crossings
+from reebslice.graphs.exact import exact_graphs
+from reebslice.mesh.half_edges import find_twins
+from reebslice.mesh.orders import canonical_faces
+from reebslice.morse.critical_points import vertex_indices
+from reebslice.morse.height_mesh import order_by_height
+from reebslice.morse.reeb_graph import surface_reeb_graph
+from reebslice.morse.unfolding import unfold_saddles
+from reebslice.slicing.contours import trace_crossings
+from reebslice.slicing.graph_slices import contours_of_arcs, trace_arcs_at_levels
+from reebslice.slicing.levels import make_levels, uniform_heights
+from reebslice.slicing.pairing import connected_vertices
+from reebslice.slicing.refinement import slice_surface
+from reebslice.slicing.slices import cut_along_arcs, cut_surface
 from test_laws import cases
 
 

@@ -15,10 +15,10 @@ from hypothesis import strategies as st
 import certify
 import pipeline
 import solids
-from reebslice.blocks import contour_curves, region_outlines
-from reebslice.exact_contours import encloses, exact_tilt, turns_clockwise
-from reebslice.outlines import outline_polygons
-from storage import read_json, read_table
+from corpus.storage import read_json, read_table
+from reebslice.planar.outlines import outline_polygons
+from reebslice.slicing.exact_contours import encloses, exact_tilt, turns_clockwise
+from reebslice.slicing.tables import contour_curves, region_outlines
 from test_laws import cases, check_all
 
 FAMILIES = {

@@ -11,10 +11,10 @@ from hypothesis import strategies as st
 
 import make_examples
 from make_examples import EXPECTED
-from mesh_formats import read_mesh
-from reebslice import closing, face_orders, gluing, measures, merging, shells
-from reebslice.heightmesh import sort_faces
-from reebslice.inspection import REPAIRS, inspect_surface
+from reebslice.formats.meshes import read_mesh
+from reebslice.mesh import closing, half_edges, measures, merging, orders, sheets, shells
+from reebslice.mesh.inspection import REPAIRS, inspect_surface
+from reebslice.mesh.orders import sort_faces
 
 
 def ball(radius=1.0, at=(0, 0, 0), inward=False, subdivisions=1):
@@ -429,9 +429,9 @@ def test_result_is_a_fixed_point():
 def test_fans_are_the_link_cycles():
     points, faces = merging.merge_exactly(*MESHES["pinched"])
     glued = closing.glue(faces, len(points))
-    assert len(np.unique(gluing.label_corners(glued.faces, glued.opposite))) == 24
-    component = gluing.label_components(glued.faces, glued.opposite)[0]
-    split, origin = gluing.split_pinches(glued.faces, glued.opposite, component, len(points))
+    assert len(np.unique(sheets.label_corners(glued.faces, glued.opposite))) == 24
+    component = sheets.label_components(glued.faces, glued.opposite)[0]
+    split, origin = sheets.split_pinches(glued.faces, glued.opposite, component, len(points))
     assert len(origin) == 24 and np.array_equal(origin[split], glued.faces)
 
 
@@ -440,11 +440,11 @@ def test_other_halves_of_mesh_edges_are_those_of_the_groups():
         positions, merged = merging.merge_exactly(points, faces)
         merged = merged[closing.find_distinct(merged)]
         for chosen in (merged, merged[1:], merged[np.r_[0, 0, 0 : len(merged)]], merged[::2]):
-            opposite = gluing.match_half_edges(chosen, len(positions))
-            order, starts = gluing.group_half_edges(chosen, len(positions))
+            opposite = half_edges.match_half_edges(chosen, len(positions))
+            order, starts = half_edges.group_half_edges(chosen, len(positions))
             assert (opposite is None) == bool((np.diff(starts) != 2).any()), name
             if opposite is not None:
-                assert opposite.tolist() == gluing.pair_half_edges(order).tolist()
+                assert opposite.tolist() == half_edges.pair_half_edges(order).tolist()
 
 
 @pytest.mark.parametrize("share", [0.0, 0.3])
@@ -456,7 +456,7 @@ def test_components_are_those_of_a_graph(share):
         glued = closing.glue(faces, len(points))
         if not closing.is_closed(glued):
             continue
-        component, turned, conflict = gluing.label_components(glued.faces, glued.opposite)
+        component, turned, conflict = sheets.label_components(glued.faces, glued.opposite)
         graph = nx.Graph(zip(np.arange(3 * len(faces)) // 3, glued.opposite // 3))
         parts = sorted(nx.connected_components(graph), key=min)
         assert [set(np.flatnonzero(component == k)) for k in range(len(parts))] == parts
@@ -493,14 +493,14 @@ def test_equal_corners_get_one_place_in_lexicographic_order():
 def test_orders_of_faces_and_half_edges_are_those_of_slow_sorts():
     random = np.random.default_rng(0)
     faces = np.array([random.permutation(12)[:3] for _ in range(300)])
-    corners = face_orders.order_corners(faces, 12)
+    corners = orders.order_corners(faces, 12)
     turned = faces.ravel()[corners].tolist()
     first = [int(np.argmin(face)) for face in faces]
     keys = [(sorted(face), list(np.roll(face, -k)) != sorted(face), i) for i, (face, k) in enumerate(zip(faces, first))]
     assert turned == [np.roll(faces[i], -first[i]).tolist() for *_, i in sorted(keys)]
     single = list({tuple(face[:2]): face for face in faces.tolist()}.values())
     assert sort_faces(np.array(single, np.int32), 12).tolist() == sorted(single)
-    order, starts = gluing.group_half_edges(faces, 12)
+    order, starts = half_edges.group_half_edges(faces, 12)
     ends = [tuple(sorted((faces[h // 3, h % 3], faces[h // 3, (h % 3 + 1) % 3]))) for h in range(900)]
     assert order.tolist() == sorted(range(900), key=lambda h: ends[h])
     grouped = [{ends[h] for h in order[begin:end]} for begin, end in zip(starts, starts[1:])]

@@ -13,8 +13,8 @@ from hypothesis import strategies as st
 import pipeline
 import reference
 import solids
-from reebslice.critical import unfold_saddles
-from reebslice.heightmesh import order_by_height
+from reebslice.morse.height_mesh import order_by_height
+from reebslice.morse.unfolding import unfold_saddles
 from reebslice.schemas import EVENTS
 
 pytestmark = pytest.mark.skipif(bool(pipeline.missing_stages()), reason=f"no stages {pipeline.missing_stages()}")

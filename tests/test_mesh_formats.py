@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 import trimesh
 
-from mesh_formats import SUFFIXES, UnreadableMesh, read_mesh
-from polygon_files import cut_strips, fan_polygons, parse_obj
-from reebslice.inspection import inspect_surface
-from reebslice.number_lines import Misread, read_numbers
+from reebslice.formats.meshes import SUFFIXES, UnreadableMesh, read_mesh
+from reebslice.formats.number_lines import Misread, read_numbers
+from reebslice.formats.polygons import cut_strips, fan_polygons, parse_obj
+from reebslice.mesh.inspection import inspect_surface
 
 # A box of 1 x 2 x 3; its six sides as quadrilaterals, counter-clockwise from outside.
 CORNERS = np.array([[x, y, z] for z in (0, 3) for x, y in ((0, 0), (1, 0), (1, 2), (0, 2))], float)

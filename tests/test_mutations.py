@@ -12,11 +12,11 @@ import shapely
 import pipeline
 import solids
 from certify import mesh_lengths
-from reebslice.certification import recount
-from reebslice.certification.certificates import certify
-from reebslice.certification.recount_curves import read_curves
+from corpus.storage import read_json, read_table
+from reebslice.certification.certificate import certify
+from reebslice.certification.recount import cut_surface
+from reebslice.certification.recount.curves import read_curves
 from reebslice.schemas import EVENTS, GRAPHS, MODEL_TABLES, OPERATIONS, PIECE_KINDS, SCHEMAS
-from storage import read_json, read_table
 
 MODELS = {
     "nested": (solids.nested_shells(4), [0.1, 0.2, 0.97], {}),
@@ -68,7 +68,7 @@ def test_runs_of_few_levels_certify_the_same(name, monkeypatch):
     tables, tilt, graphs, size, distance = results(name)
     whole = certify(tables, tilt, pipeline.as_read(graphs), size, distance)
     for cells in (1, 1000):
-        monkeypatch.setattr(recount, "CELLS_AT_ONCE", cells)
+        monkeypatch.setattr(cut_surface, "CELLS_AT_ONCE", cells)
         assert certify(tables, tilt, pipeline.as_read(graphs), size, distance) == whole
 
 

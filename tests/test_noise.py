@@ -11,8 +11,8 @@ import pytest
 
 import certify
 import solids
+from corpus.storage import read_json
 from pipeline import run_stages
-from storage import read_json
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "benchmarks"))
 noisy_volumes = importlib.import_module("noisy_volumes")

@@ -14,15 +14,16 @@ import certify
 import draw
 import solids
 from pipeline import run_stages
-from reebslice.canvas import SIDES, draw_lines, draw_marks, draw_segments, encode_png, new_canvas
-from reebslice.graphml import Graph
-from reebslice.lane_orders import count_crossings, order_lanes
-from reebslice.layouts import place_graph, trace_arc
-from reebslice.marks import MARKS
-from reebslice.normals import corner_normals, find_vertex_normals
-from reebslice.pictures import draw_model, list_ticks
-from reebslice.shading import rasterize_mesh, shade_layers, widest_azimuth
-from reebslice.views import fit_view, project_points, view_axes
+from reebslice.drawing.canvas import SIDES, draw_lines, draw_marks, draw_segments, encode_png, new_canvas
+from reebslice.drawing.lane_orders import count_crossings, order_lanes
+from reebslice.drawing.layout import place_graph, trace_arc
+from reebslice.drawing.marks import MARKS
+from reebslice.drawing.model import read_graph
+from reebslice.drawing.normals import corner_normals, find_vertex_normals
+from reebslice.drawing.picture import draw_model, list_ticks
+from reebslice.drawing.shading import rasterize_mesh, shade_layers, widest_azimuth
+from reebslice.drawing.views import fit_view, project_points, view_axes
+from reebslice.formats.graphml import Graph
 
 
 @pytest.mark.parametrize("azimuth, elevation", [(0, 0), (-60, 15), (123, -40), (0, 90)])
@@ -297,7 +298,7 @@ def test_the_stage_writes_the_same_picture_twice(tmp_path):
         pictures.append((tmp_path / "picture.png").read_bytes())
     assert pictures[0] == pictures[1] and pictures[0][:4] == b"\x89PNG"
     graph = nx.read_graphml(tmp_path / "solid.graphml", force_multigraph=True)
-    nodes, edges = draw.read_graph(tmp_path / "solid.graphml")
+    nodes, edges = read_graph(tmp_path / "solid.graphml")
     wanted = ("handle", "x", "y", "z", "height", "side", "operation", "n_handles")
     assert {node: [data[name] for name in wanted] for node, data in nodes.items()} == {
         node: [data[name] for name in wanted] for node, data in graph.nodes(data=True)

@@ -5,8 +5,8 @@ from pathlib import Path
 
 import pytest
 
-from mesh_formats import UnreadableMesh, read_mesh
-from reebslice.inspection import inspect_surface
+from reebslice.formats.meshes import UnreadableMesh, read_mesh
+from reebslice.mesh.inspection import inspect_surface
 
 CORPUS = Path(__file__).parents[2] / "shared" / "meshes"
 

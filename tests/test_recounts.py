@@ -7,13 +7,13 @@ import pytest
 import shapely
 import trimesh
 
-from reebslice.certification.recount_curves import measure_curves, pass_spots, read_curves
-from reebslice.certification.recount_elders import elder_pairs, essential_points
-from reebslice.certification.recount_holes import Nest
-from reebslice.certification.recount_joins import find_components
-from reebslice.certification.recount_measures import label_vertices, largest_terms, measure_shells
-from reebslice.certification.recount_regions import build_polygons, find_regions, look_around, share
-from reebslice.certification.recount_surface import count_links, find_sides, rank_surface
+from reebslice.certification.recount.components import find_components
+from reebslice.certification.recount.curves import measure_curves, pass_spots, read_curves
+from reebslice.certification.recount.elders import elder_pairs, essential_points
+from reebslice.certification.recount.holes import Nest
+from reebslice.certification.recount.measures import label_vertices, largest_terms, measure_shells
+from reebslice.certification.recount.regions import build_polygons, find_regions, look_around, share
+from reebslice.certification.recount.surface import count_links, find_sides, rank_surface
 from solids import blob, hollow_ball, plate, torus
 
 
@@ -204,7 +204,7 @@ def squares(*boxes, inward=()):
 
 
 def hold(regions):
-    """Lists of rings, the outer one first, as :class:`recount_regions.Regions`, and shapely's polygons of them."""
+    """Lists of rings, the outer one first, as :class:`regions.Regions`, and shapely's polygons of them."""
     region = np.repeat(np.arange(len(regions)), [len(rings) for rings in regions])
     inner = np.diff(region, prepend=-1) == 0
     lines = np.array([shapely.LineString(ring.coords) for rings in regions for ring in rings])

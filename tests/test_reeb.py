@@ -10,13 +10,14 @@ from hypothesis import strategies as st
 
 import reference
 import solids
-from reebslice.critical import unfold_saddles, vertex_indices
-from reebslice.heightmesh import order_by_height
-from reebslice.levels import make_levels, uniform_heights
-from reebslice.reeb import critical_persistence, surface_reeb_graph
-from reebslice.sampling import event_spans, fewest_uniform_levels, sampling_figures
-from reebslice.simplification import extended_pairs, simplify_graph
-from reebslice.slicing import trace_contours
+from reebslice.graphs.simplification import extended_pairs, simplify_graph
+from reebslice.morse.critical_points import vertex_indices
+from reebslice.morse.height_mesh import order_by_height
+from reebslice.morse.reeb_graph import critical_persistence, surface_reeb_graph
+from reebslice.morse.unfolding import unfold_saddles
+from reebslice.slicing.contours import trace_contours
+from reebslice.slicing.levels import make_levels, uniform_heights
+from reebslice.slicing.sampling import event_spans, fewest_uniform_levels, sampling_figures
 from test_laws import cases
 
 

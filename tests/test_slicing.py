@@ -6,24 +6,17 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import solids
-from batches import Rejected
+from corpus.stages import Rejected
 from pipeline import run_stages
-from reebslice import slicing
-from reebslice.critical import unfold_saddles, vertex_indices
-from reebslice.heightmesh import order_by_height
-from reebslice.levels import (
-    crowded_points,
-    cut_between,
-    cut_surface,
-    feature_scale,
-    make_levels,
-    pierce,
-    slice_surface,
-    uniform_heights,
-)
-from reebslice.pairing import connected_vertices
-from reebslice.slicing import measure_contours, trace_contours
-from reebslice.tables import contours_table
+from reebslice.morse.critical_points import vertex_indices
+from reebslice.morse.height_mesh import order_by_height
+from reebslice.morse.unfolding import unfold_saddles
+from reebslice.slicing.contours import measure_contours, trace_contours
+from reebslice.slicing.levels import cut_between, make_levels, pierce, uniform_heights
+from reebslice.slicing.pairing import connected_vertices
+from reebslice.slicing.refinement import crowded_points, feature_scale, slice_surface
+from reebslice.slicing.slices import cut_surface
+from reebslice.slicing.tables import contours_table
 
 
 def mesh_of(solid, seed=None):
@@ -200,7 +193,7 @@ def test_the_tables_do_not_depend_on_the_order_of_the_input():
 
 
 def test_more_crossings_than_memory_are_refused_with_a_cure(monkeypatch, tmp_path):
-    monkeypatch.setattr(slicing, "MOST_CROSSINGS", 1000)
+    monkeypatch.setattr("reebslice.slicing.contours.MOST_CROSSINGS", 1000)
     with pytest.raises(Rejected, match=r"levels cross the mesh edges .* \{refine: feature\}"):
         run_stages(solids.icosphere(2), tmp_path, levels={"distance": 0.001})
     assert not list(tmp_path.glob("contours*"))

@@ -9,8 +9,8 @@ import pyarrow.parquet as pq
 import pytest
 import shapely
 
+from corpus.storage import content_key, read_json, read_key, read_table, write_json, write_parquet, write_table
 from reebslice.schemas import FORMAT_VERSION, SCHEMAS, build_table
-from storage import content_key, read_json, read_key, read_table, write_json, write_parquet, write_table
 
 TRIANGLE = shapely.LineString([(0, 0), (1, 0), (0, 1), (0, 0)])
 

@@ -9,18 +9,19 @@ import shapely
 import reference
 import solids
 from pipeline import run_stages
-from reebslice.circles import clearances, largest_circles
-from reebslice.components import connected_items
-from reebslice.curves import curve_centres, pack_curves, unpack_curves
-from reebslice.graphml import Graph, graphml_text
-from reebslice.graphs import trace_arcs
-from reebslice.nodes import inscribed_points, steady_points
-from reebslice.outlines import find_outlines, mend_outlines, outline_areas, outline_polygons
-from reebslice.parts import Parts, linked_parts
+from reebslice.arrays.components import connected_items
+from reebslice.formats.graphml import Graph, graphml_text
+from reebslice.formats.wkb import pack_curves, unpack_curves
+from reebslice.graphs.arcs import trace_arcs
+from reebslice.graphs.nodes import inscribed_points, steady_points
+from reebslice.graphs.parts import Parts, linked_parts
+from reebslice.links.similarity import boolean_similarity, link_by_proximity, link_by_similarity
+from reebslice.planar.circles import clearances, largest_circles
+from reebslice.planar.curves import curve_centres
+from reebslice.planar.outlines import find_outlines, mend_outlines, outline_areas, outline_polygons
+from reebslice.planar.shared_areas import shared_areas
 from reebslice.schemas import GRAPHS
-from reebslice.shared_areas import shared_areas
-from reebslice.similarity import boolean_similarity, link_by_proximity, link_by_similarity
-from reebslice.tilts import candidate_directions, height_rounding, rotation_to_vertical, select_tilt
+from reebslice.tilt.choice import candidate_directions, height_rounding, rotation_to_vertical, select_tilt
 
 
 def box(x, y, width, depth=1.0):

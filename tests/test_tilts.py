@@ -13,16 +13,15 @@ from hypothesis import strategies as st
 import inspect_mesh
 import reference
 import solids
+from corpus.surfaces import read_faces, read_points
 from pipeline import OPTIONS
-from reebslice import tilts
-from reebslice.critical import unfold_saddles, vertex_indices
-from reebslice.directions import fewest_levels, find_significant
-from reebslice.heightmesh import order_by_height, tilt_points
-from reebslice.levels import pierce
-from reebslice.reeb import critical_persistence, surface_reeb_graph
-from reebslice.scanning import find_critical_points, heights_along
-from reebslice.surveying import gather_neighbours, survey_surface
-from reebslice.tilts import (
+from reebslice.morse.critical_points import vertex_indices
+from reebslice.morse.height_mesh import order_by_height, tilt_points
+from reebslice.morse.reeb_graph import critical_persistence, surface_reeb_graph
+from reebslice.morse.unfolding import unfold_saddles
+from reebslice.slicing.levels import pierce
+from reebslice.tilt import choice
+from reebslice.tilt.choice import (
     ANGLE_COST,
     assess_directions,
     candidate_directions,
@@ -31,7 +30,9 @@ from reebslice.tilts import (
     select_tilt,
     sos_ranks,
 )
-from surfaces import read_faces, read_points
+from reebslice.tilt.cone import gather_neighbours, survey_surface
+from reebslice.tilt.scan import find_critical_points, heights_along
+from reebslice.tilt.score import fewest_levels, find_significant
 from test_laws import cases
 
 CORPUS = Path(__file__).parents[2] / "shared" / "meshes"
@@ -191,7 +192,7 @@ def test_significant_points_are_those_of_the_unfolded_surface(solid, direction, 
 def test_heights_serve_as_ranks_where_nothing_ties(solid, direction):
     (record,) = assess_directions(solid.points, solid.faces, [direction])
     surface, key, height, found = measured(solid, direction)
-    significant, count = find_significant(surface, key, height, found, tilts.SIGNIFICANT_SHARE * np.ptp(height))
+    significant, count = find_significant(surface, key, height, found, choice.SIGNIFICANT_SHARE * np.ptp(height))
     assert record["persistent"] == count
     assert record["fewest_levels"] == fewest_levels(surface, key, found, significant)
     assert record["fewest_levels_exact"] == fewest_levels(surface, key, found, found.index != 0)

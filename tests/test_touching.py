@@ -8,11 +8,11 @@ import pytest
 from scipy import ndimage
 
 from certify import main as certify
+from corpus.storage import read_json
 from pipeline import OPTIONS, missing_stages, run_stages
-from reebslice import closing, gluing, overlaps, touching
-from reebslice.inspection import inspect_surface
+from reebslice.mesh import closing, half_edges, touching, unions
+from reebslice.mesh.inspection import inspect_surface
 from solids import Solid, carve, hollow_ball, icosphere, linked_rings, move, permute, rotation, torus, transform, unite
-from storage import read_json
 
 pytestmark = pytest.mark.skipif(bool(missing_stages()), reason=f"no stages {missing_stages()}")
 
@@ -340,7 +340,7 @@ def test_taking_apart_needs_leave_and_winding():
 def test_faces_without_area_have_no_direction():
     points = np.array([[0, 0, 0], [2, 0, 0], [1, 0, 0], [0, 1, 0], [0, -1, 0], [0, 0, 1]], float)
     faces = np.array([[0, 1, 2], [1, 0, 3], [0, 1, 4], [1, 0, 5]])
-    order, starts = gluing.group_half_edges(faces, 6)
+    order, starts = half_edges.group_half_edges(faces, 6)
     crowded = np.flatnonzero(np.diff(starts) == 4)
     edge = order[starts[crowded[0]] : starts[crowded[0] + 1]]
     with pytest.raises(touching.Entangled, match="without area"):
@@ -402,7 +402,7 @@ def test_bodies_that_cross_themselves_are_not_united():
 
 
 def test_a_refusal_of_the_library_is_told():
-    with pytest.raises(overlaps.Refused, match="status NotManifold"):
-        overlaps._check(manifold3d.Manifold(manifold3d.Mesh64(np.eye(3), np.array([[0, 1, 2]], np.uint64))))
+    with pytest.raises(unions.Refused, match="status NotManifold"):
+        unions._check(manifold3d.Manifold(manifold3d.Mesh64(np.eye(3), np.array([[0, 1, 2]], np.uint64))))
     with pytest.raises(ValueError, match="inspect.overlaps: 'merge' unknown"):
         inspected(box(), overlaps="merge")

@@ -13,9 +13,10 @@ from pathlib import Path
 import pyarrow.parquet as pq
 import pytest
 
-from batches import STAGES, receipt_name
-from sources import find_sources, read_outputs
-from storage import read_json, read_key
+from corpus.code_digest import find_sources, read_outputs
+from corpus.layout import STAGES
+from corpus.receipts import receipt_name
+from corpus.storage import read_json, read_key
 
 ROOT = Path(__file__).parent.parent
 SCRIPTS = ROOT / "workflow" / "scripts"
@@ -159,7 +160,7 @@ def test_a_changed_key_runs_its_stages_and_those_behind(folder, option, first):
 
 def test_an_edited_module_runs_the_stages_that_use_it_and_those_behind(folder, checkout):
     assert planned(folder, checkout=checkout) == {}
-    module = checkout / "workflow/scripts/reebslice/similarity.py"
+    module = checkout / "workflow/scripts/reebslice/links/similarity.py"
     users = [stage for stage in STAGES if module in find_sources(checkout / f"workflow/scripts/{stage}.py")]
     assert users and users[0] != STAGES[0]
     module.write_text(module.read_text() + "\n# edited\n")

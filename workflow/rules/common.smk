@@ -1,6 +1,6 @@
 # What the rules stand on: the checked configuration, the models, their batches
-# and the digests of the code. The logic is in corpus.py, sources.py and
-# configuration.py of workflow/scripts; here it meets Snakemake.
+# and the digests of the code. The logic is in workflow/scripts/corpus/; here
+# it meets Snakemake.
 
 import os
 import sys
@@ -14,11 +14,13 @@ WORKFLOW = Path(workflow.basedir) / "workflow"
 SCRIPTS = WORKFLOW / "scripts"
 sys.path.insert(0, str(SCRIPTS))
 
-import corpus
-from batches import STAGES
-from collect_models import count_models
-from configuration import ConfigError, check_config
-from sources import compiled_code_folder, digest_code, read_outputs
+from corpus.batches import describe_meshes, form_batches, predict_memory, predict_minutes, predict_work
+from corpus.code_digest import compiled_code_folder, digest_code, read_outputs
+from corpus.configuration import ConfigError, check_config
+from corpus.discovery import CorpusError, find_models
+from corpus.layout import MODELS_TABLE, STAGES
+from corpus.model_table import count_models
+from corpus.promises import find_broken_promises
 
 os.environ.setdefault("NUMBA_CACHE_DIR", str(compiled_code_folder(SCRIPTS / "reebslice")))
 
@@ -34,11 +36,11 @@ except ConfigError as error:
 # Models and batches ----------------------------------------------------------
 
 try:
-    MODELS, OTHER_FILES = corpus.find_models(config["meshes"])
-except corpus.CorpusError as error:
+    MODELS, OTHER_FILES = find_models(config["meshes"])
+except CorpusError as error:
     raise WorkflowError(str(error)) from None
 
-BATCHES = corpus.form_batches(MODELS, **config["batches"])
+BATCHES = form_batches(MODELS, **config["batches"])
 CODE = {
     stage: digest_code(SCRIPTS / f"{stage}.py")
     for stage in (*STAGES, "collect_models")
@@ -56,7 +58,7 @@ wildcard_constraints:
 WITHDRAWN = []
 if workflow.is_main_process:
     OUTPUTS = {stage: read_outputs(SCRIPTS / f"{stage}.py") for stage in STAGES}
-    WITHDRAWN = corpus.find_broken_promises(BATCHES, OUTPUTS)
+    WITHDRAWN = find_broken_promises(BATCHES, OUTPUTS)
     for table in WITHDRAWN:
         Path(table).unlink(missing_ok=True)
     if OTHER_FILES:
@@ -80,17 +82,17 @@ def models_of(wildcards):
 
 def stamp_of(wildcards):
     """What changes when one of the batch's mesh files is another."""
-    return corpus.describe_meshes(MODELS, BATCHES[wildcards.batch])
+    return describe_meshes(MODELS, BATCHES[wildcards.batch])
 
 
 def memory_of(wildcards, attempt):
     """Memory for one stage of a batch, in MB."""
-    return int(corpus.predict_memory(MODELS, BATCHES[wildcards.batch]) * attempt)
+    return int(predict_memory(MODELS, BATCHES[wildcards.batch]) * attempt)
 
 
 def runtime_of(wildcards, attempt):
     """Time for one stage of a batch, in minutes."""
-    return int(corpus.predict_minutes(MODELS, BATCHES[wildcards.batch]) * attempt)
+    return int(predict_minutes(MODELS, BATCHES[wildcards.batch]) * attempt)
 
 
 def priority_at(stage):
@@ -100,7 +102,7 @@ def priority_at(stage):
     goes through its stages alone while other cores have nothing to do.
     """
     left = len(STAGES) - STAGES.index(stage) + 1  # the last stages, which take the longest, count as one more
-    return lambda wildcards: left * corpus.predict_work(MODELS, BATCHES[wildcards.batch])
+    return lambda wildcards: left * predict_work(MODELS, BATCHES[wildcards.batch])
 
 
 def last_status_tables():
@@ -124,7 +126,7 @@ def drop_rate_limit():
 
 def close_run():
     """Say what came out; end with an error when the program, not a mesh, is at fault."""
-    table = corpus.MODELS_TABLE
+    table = MODELS_TABLE
     if not table.exists():
         return
     counts = count_models(table)

@@ -8,12 +8,12 @@ from pathlib import Path
 
 import numpy as np
 
-from batches import run_batch
-from reebslice.certification.certificates import certify
+from corpus.stages import run_batch
+from corpus.storage import read_blocks, read_json, read_table, write_json
+from reebslice.certification.certificate import certify
 from reebslice.certification.graphml import parse_graph
-from reebslice.certification.recount_curves import POINT, read_curves
+from reebslice.certification.recount.curves import POINT, read_curves
 from reebslice.schemas import GRAPHS, MODEL_TABLES
-from storage import read_blocks, read_json, read_table, write_json
 
 OUTPUTS = ("certificate.json",)
 

@@ -1,11 +1,11 @@
 """Classify the Morse events between the levels: `handles`; and what the surface has whatever the levels."""
 
-from batches import run_batch
-from reebslice.handles import classify_handles, critical_tables
-from reebslice.reeb import surface_reeb_graph
-from reebslice.sampling import sampling_figures
-from storage import read_table, write_json, write_table
-from surfaces import read_height_mesh, read_points
+from corpus.stages import run_batch
+from corpus.storage import read_table, write_json, write_table
+from corpus.surfaces import read_height_mesh, read_points
+from reebslice.handles.classification import classify_handles, critical_tables
+from reebslice.morse.reeb_graph import surface_reeb_graph
+from reebslice.slicing.sampling import sampling_figures
 
 OUTPUTS = ("handles.parquet", "critical_points.parquet", "critical_arcs.parquet", "sampling.json")
 

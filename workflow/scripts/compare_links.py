@@ -2,16 +2,17 @@
 
 import numpy as np
 
-from batches import run_batch
-from reebslice.comparison import compare_rules, model_half
-from reebslice.critical import unfold_saddles
-from reebslice.heightmesh import order_by_height
-from reebslice.levels import cut_surface, make_levels, uniform_heights
+from corpus.stages import run_batch
+from corpus.storage import write_table
+from corpus.surfaces import read_faces, read_points, vertex_bodies
+from reebslice.links.comparison import compare_rules, model_half
+from reebslice.morse.height_mesh import order_by_height
+from reebslice.morse.unfolding import unfold_saddles
 from reebslice.schemas import SCHEMAS, build_table
-from reebslice.tables import contours_table, pieces_table
-from reebslice.tilts import select_tilt
-from storage import write_table
-from surfaces import read_faces, read_points, vertex_bodies
+from reebslice.slicing.levels import make_levels, uniform_heights
+from reebslice.slicing.slices import cut_surface
+from reebslice.slicing.tables import contours_table, pieces_table
+from reebslice.tilt.choice import select_tilt
 
 OUTPUTS = ("comparison.parquet",)
 

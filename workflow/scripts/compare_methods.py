@@ -4,11 +4,11 @@ from pathlib import Path
 
 import pyarrow as pa
 
-from batches import MODELS_FOLDER, read_status
-from reebslice.charts import draw_comparison
-from reebslice.comparison import EVERY, rates
-from storage import read_table, write_table
-from surroundings import print_into
+from corpus.layout import MODELS_FOLDER, read_status
+from corpus.process import print_into
+from corpus.storage import read_table, write_table
+from reebslice.drawing.charts import draw_comparison
+from reebslice.links.comparison import rates
 
 
 def main(tables):

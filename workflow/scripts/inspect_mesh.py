@@ -6,10 +6,10 @@ that every later stage works on: `vertices`, `faces` and `shells`.
 
 from pathlib import Path
 
-from batches import Rejected, run_batch
-from mesh_formats import UnreadableMesh, read_mesh
-from reebslice.inspection import blank_record, inspect_surface
-from storage import write_json, write_table
+from corpus.stages import Rejected, run_batch
+from corpus.storage import write_json, write_table
+from reebslice.formats.meshes import UnreadableMesh, read_mesh
+from reebslice.mesh.inspection import blank_record, inspect_surface
 
 OUTPUTS = ("inspection.json", "vertices.parquet", "faces.parquet", "shells.parquet")
 

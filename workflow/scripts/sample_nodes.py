@@ -1,10 +1,10 @@
 """Place a material point in every region of every level: `nodes`."""
 
-from batches import run_batch
-from reebslice.blocks import contour_curves
-from reebslice.nodes import sample_nodes
-from storage import read_blocks, read_table, write_table
-from surfaces import read_rotation
+from corpus.stages import run_batch
+from corpus.storage import read_blocks, read_table, write_table
+from corpus.surfaces import read_rotation
+from reebslice.graphs.nodes import sample_nodes
+from reebslice.slicing.tables import contour_curves
 
 OUTPUTS = ("nodes.parquet",)
 

@@ -1,9 +1,9 @@
 """Choose the direction of the height: `tilt.json`."""
 
-from batches import run_batch
-from reebslice.tilts import select_tilt
-from storage import write_json
-from surfaces import read_faces, read_points
+from corpus.stages import run_batch
+from corpus.storage import write_json
+from corpus.surfaces import read_faces, read_points
+from reebslice.tilt.choice import select_tilt
 
 OUTPUTS = ("tilt.json",)
 

@@ -2,12 +2,12 @@
 
 import numpy as np
 
-from batches import Rejected, run_batch
-from reebslice.levels import feature_scale, slice_surface
-from reebslice.slicing import TooManyCrossings
-from reebslice.tables import contours_blocks, levels_table, pieces_table
-from storage import write_blocks, write_table
-from surfaces import read_height_mesh, vertex_bodies
+from corpus.stages import Rejected, run_batch
+from corpus.storage import write_blocks, write_table
+from corpus.surfaces import read_height_mesh, vertex_bodies
+from reebslice.slicing.contours import TooManyCrossings
+from reebslice.slicing.refinement import feature_scale, slice_surface
+from reebslice.slicing.tables import contours_blocks, levels_table, pieces_table
 
 OUTPUTS = ("levels.parquet", "contours.parquet", "pieces.parquet")
 

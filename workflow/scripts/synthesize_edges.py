@@ -2,14 +2,14 @@
 
 import numpy as np
 
-from batches import run_batch
-from reebslice.blocks import contour_curves
-from reebslice.graphml import graphml_text
-from reebslice.levels import feature_scale
+from corpus.stages import run_batch
+from corpus.storage import read_blocks, read_table, write_table, write_text
+from corpus.surfaces import read_rotation
+from reebslice.formats.graphml import graphml_text
+from reebslice.graphs.synthesis import synthesize
 from reebslice.schemas import GRAPHS
-from reebslice.synthesis import synthesize
-from storage import read_blocks, read_table, write_table, write_text
-from surfaces import read_rotation
+from reebslice.slicing.refinement import feature_scale
+from reebslice.slicing.tables import contour_curves
 
 OUTPUTS = (
     "edges.parquet",

@@ -1,0 +1,1 @@
+"""Running stages over the models of a corpus."""

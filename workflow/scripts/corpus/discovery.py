@@ -1,0 +1,109 @@
+"""Discovery: which meshes there are, and what each is called."""
+
+import os
+from dataclasses import dataclass
+
+ENDINGS = (".stl", ".obj", ".ply", ".off", ".glb", ".gltf", ".3mf", ".step", ".stp")
+# What lies beside meshes and belongs to them: materials, textures, buffers, notes.
+COMPANIONS = (".mtl", ".bin", ".png", ".jpg", ".jpeg", ".md", ".txt", ".csv", ".json", ".yaml")
+LONGEST_ID = 180  # bytes; file systems end at 255 and scratch names need some
+
+
+class CorpusError(ValueError):
+    """The mesh folder cannot be used as it is; the text says why and what cures it."""
+
+
+@dataclass(frozen=True)
+class MeshFile:
+    """One input file."""
+
+    path: str
+    size: int
+    mtime_ns: int
+
+
+# --------------------------------------------------------------------------
+# Discovery
+
+
+def find_models(folder, beside=("results", ".snakemake")):
+    """Find every mesh under `folder`, recursively.
+
+    Parameters
+    ----------
+    folder : str
+        Relative to the working directory, or absolute.
+    beside : sequence of str
+        Folders not to descend into, though they lie under `folder`.
+
+    Returns
+    -------
+    models : dict of str to MeshFile, sorted by model id
+    others : list of str
+        Files that are neither meshes nor known to accompany them.
+
+    Raises
+    ------
+    CorpusError
+        When the folder is missing or holds no mesh, when two files have one
+        id, or when a name cannot be used.
+    """
+    if not os.path.isdir(folder):
+        raise CorpusError(
+            f"meshes: there is no folder {folder!r} in {os.getcwd()!r}; put your meshes there, or name "
+            "their folder, in config/config.yaml or by --config meshes=FOLDER"
+        )
+    skipped = {os.path.realpath(path) for path in beside}
+    models, others = {}, []
+    for path, entry in _walk(folder, skipped, set()):
+        stem, ending = os.path.splitext(path)
+        if ending.lower() not in ENDINGS:
+            others += [path] if ending.lower() not in COMPANIONS else []
+            continue
+        if "{" in path or "}" in path:  # Snakemake would read a wildcard
+            raise CorpusError(f"meshes: the path {path!r} holds a brace; rename the file or its folder")
+        model = make_model_id(os.path.relpath(stem, folder))
+        if model in models:
+            raise CorpusError(
+                f"meshes: {models[model].path!r} and {path!r} would both be the model {model!r}; rename one of them"
+            )
+        stat = entry.stat()
+        models[model] = MeshFile(path, stat.st_size, stat.st_mtime_ns)
+    if not models:
+        raise CorpusError(
+            f"meshes: the folder {folder!r} holds no mesh; put files there that end in {', '.join(ENDINGS)}"
+        )
+    return dict(sorted(models.items())), sorted(others)
+
+
+def _walk(folder, skipped, seen):
+    """Yield (path, entry) of the files below `folder`, hidden ones left out, links followed."""
+    real = os.path.realpath(folder)
+    if real in skipped or real in seen:
+        return
+    seen = seen | {real}  # of this branch only: a link to a sibling is fine, one to an ancestor is a loop
+    with os.scandir(folder) as entries:
+        for entry in sorted(entries, key=lambda entry: entry.name):
+            if entry.name.startswith("."):
+                continue
+            if entry.is_dir():
+                yield from _walk(entry.path, skipped, seen)
+            elif entry.is_file():
+                yield entry.path, entry
+
+
+def make_model_id(stem):
+    """Return the id of a model: its path under the mesh folder without ending, `/` as `__`.
+
+    Raises CorpusError when the name holds characters that no table or log
+    can show on one line, or is too long for a folder's name.
+    """
+    model = stem.replace(os.sep, "__")
+    if not model.isprintable():
+        raise CorpusError(f"meshes: the name {stem!r} holds unprintable characters; rename the file")
+    if len(model.encode()) > LONGEST_ID:
+        raise CorpusError(
+            f"meshes: {stem!r} makes an id of {len(model.encode())} bytes, more than {LONGEST_ID}; "
+            "shorten the name of the file or of its folders"
+        )
+    return model

@@ -1,0 +1,122 @@
+"""One table over all models: how each ended and why, its figures, seconds and memory."""
+
+import re
+from collections import Counter
+from functools import cache
+from pathlib import Path
+
+import pyarrow as pa
+import pyarrow.compute as pc
+import pyarrow.parquet as pq
+
+from .layout import MODELS_FOLDER, STAGES, read_status
+from .storage import read_json
+
+FIGURES = ("inspection.json", "sampling.json", "certificate.json")  # of one name, the later file's figure counts
+FIRST = ("model", "path", "status", "reason", "verdict")
+LAST = tuple(f"{figure}_{stage}" for figure in ("seconds", "peak_memory_mb") for stage in STAGES)
+LONGEST = 8  # entries of a group or list that is spread over columns
+
+
+def make_model_table(tables):
+    """Return the table of models.
+
+    Parameters
+    ----------
+    tables : list of str
+        Paths of the last stage's status tables, one per batch. Those of the
+        other stages have the same name in folders beside.
+    """
+    parts = []
+    for table in map(Path, tables):  # rows as Python objects are held of one batch at a time
+        parts.append(_make_table(_join_stages([table.parent.parent / stage / table.name for stage in STAGES])))
+    return _concatenate(parts).sort_by("model")
+
+
+def count_models(path):
+    """Return how many models of the table at `path` ended as ok, rejected and failed."""
+    column = pq.ParquetFile(path).read(columns=["status"])["status"]
+    counts = Counter({entry["values"]: entry["counts"] for entry in pc.value_counts(column).to_pylist()})
+    return {status: counts[status] for status in ("ok", "rejected", "failed")}
+
+
+def _join_stages(paths):
+    """Return the rows of one batch, from its status tables in the order of stages."""
+    rows = {}
+    for stage, path in zip(STAGES, paths, strict=True):
+        for entry in read_status(path):
+            row = rows.setdefault(entry["model"], {"model": entry["model"], "path": entry["path"], "status": "ok"})
+            if row["status"] == "ok":  # the first stage that is not tells why
+                row |= {"status": entry["status"], "reason": entry["reason"]}
+            row[f"seconds_{stage}"] = entry["seconds"]
+            row[f"peak_memory_mb_{stage}"] = entry["peak_memory_mb"]
+    for row in rows.values():
+        row |= {name: figure for name, figure in _figures(row["model"]).items() if name not in row}
+        if row["status"] != "ok":
+            row["verdict"] = "rejected" if row["status"] == "rejected" else None
+    return list(rows.values())
+
+
+def _figures(model):
+    """Return the scalar figures in the model's JSON files."""
+    figures = {}
+    for name in FIGURES:
+        try:
+            facts = read_json(MODELS_FOLDER / model / name)
+        except FileNotFoundError:
+            continue
+        figures |= _scalars(facts)
+    return figures
+
+
+def _scalars(facts):
+    """Spread facts over columns: scalars as they are, short groups and lists of scalars one level deep."""
+    figures = {}
+    for name, value in facts.items():
+        if isinstance(value, (dict, list)):
+            entries = value if isinstance(value, dict) else dict(enumerate(value[: LONGEST + 1]))
+            if len(entries) <= LONGEST and not any(isinstance(entry, (dict, list)) for entry in entries.values()):
+                figures |= {f"{name}_{key}": entry for key, entry in entries.items()}
+        else:
+            figures[name] = value
+    return {_plain_name(name): value for name, value in figures.items()}
+
+
+@cache
+def _plain_name(name):
+    return re.sub(r"\W+", "_", name)
+
+
+def _make_table(rows):
+    """Return the rows as a table, with a column for every figure that one of them has."""
+    names = sorted({*FIRST, *LAST}.union(*rows))
+    return pa.table({name: _column([row.get(name) for row in rows], name in LAST) for name in names})
+
+
+def _column(values, real=False):
+    """Return the values as an array of the narrowest type that holds all of them."""
+    kinds = {type(value) for value in values if value is not None}
+    if real or (kinds <= {int, float} and float in kinds):
+        return pa.array([None if value is None else float(value) for value in values], pa.float64())
+    if len(kinds) < 2 and kinds <= {int, bool}:
+        return pa.array(values, {(int,): pa.int64(), (bool,): pa.bool_(), (): pa.null()}[tuple(kinds)])
+    return pa.array([None if value is None else str(value) for value in values], pa.string())
+
+
+def _concatenate(parts):
+    """Return the tables as one: first who and how, then the figures by name, then seconds and memory."""
+    types = {}
+    for field in (field for part in parts for field in part.schema):
+        types.setdefault(field.name, set()).add(field.type)
+    figures = sorted(types.keys() - {*FIRST, *LAST})
+    schema = pa.schema({name: _common_type(types[name]) for name in (*FIRST, *figures, *LAST)})
+    parts = [part.cast(pa.schema([schema.field(name) for name in part.column_names])) for part in parts]
+    return pa.concat_tables(parts, promote_options="default").select(schema.names)
+
+
+def _common_type(types):
+    """Return the narrowest type that holds the values of columns of these types."""
+    types = types - {pa.null()}
+    if len(types) == 1:
+        return types.pop()
+    return pa.float64() if types == {pa.int64(), pa.float64()} else pa.string()

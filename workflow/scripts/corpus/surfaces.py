@@ -1,0 +1,52 @@
+"""Read what `inspect_mesh` and `select_tilt` left of a model."""
+
+import numpy as np
+
+from reebslice.morse.height_mesh import order_by_height
+from reebslice.morse.unfolding import unfold_saddles
+
+from .storage import read_json, read_table
+
+
+def read_points(folder):
+    """The surface vertices of the model in `folder`, (n, 3) model frame."""
+    return _stack(read_table(folder / "vertices.parquet", "vertices"), np.float64)
+
+
+def read_faces(folder):
+    """The faces of the model in `folder`, (m, 3) int32 vertex ids."""
+    return _stack(read_table(folder / "faces.parquet", "faces", without=("shell",)), np.int32)
+
+
+def _stack(table, kind):
+    """The columns of a table side by side, each copied once."""
+    rows = np.empty((len(table), table.num_columns), kind)
+    for place, column in enumerate(table.itercolumns()):
+        rows[:, place] = column.to_numpy()
+    return rows
+
+
+def read_rotation(folder):
+    """The rotation of the model in `folder` to the tilted frame, (3, 3)."""
+    return np.array(read_json(folder / "tilt.json")["rotation"])
+
+
+def read_height_mesh(folder, points=None):
+    """The surface of the model in `folder` in its tilted frame, saddles unfolded.
+
+    points : its :func:`read_points`, if they are at hand.
+    """
+    points = read_points(folder) if points is None else points
+    return unfold_saddles(order_by_height(points, read_faces(folder), read_rotation(folder)))
+
+
+def vertex_bodies(folder, mesh):
+    """Shell and body of every rank of `mesh`, two (n,) int32 arrays."""
+    body_of_shell = read_table(folder / "shells.parquet", "shells")["body"].to_numpy()
+    if len(body_of_shell) == 1:
+        return np.zeros_like(mesh.vertex), np.full_like(mesh.vertex, body_of_shell[0])
+    faces = read_table(folder / "faces.parquet", "faces")
+    shell = np.empty(mesh.vertex.max() + 1, np.int32)
+    for corner in "abc":
+        shell[faces[corner].to_numpy()] = faces["shell"].to_numpy()
+    return shell[mesh.vertex], body_of_shell[shell[mesh.vertex]]

@@ -1,0 +1,1 @@
+"""Components, sorting and grouping of arrays."""

@@ -1,0 +1,182 @@
+"""The proof per model: every invariant, recomputed and held against the tables.
+
+A check compares what the tables say (`found`) with what follows from the
+mesh, the levels and the theory (`expected`). The certificate lists them all;
+one that fails makes the model uncertified. Nothing here, in `checks` or in
+`recount` uses the code that made the tables.
+"""
+
+from types import SimpleNamespace
+
+import numpy as np
+import shapely
+
+from .checks import critical_points, form, handles, links, regions, slices, surface
+from .checks import graphs as graph_checks
+from .ledger import Ledger
+
+# What a table that contradicts itself can make numpy, shapely or a lookup say.
+CONTRADICTIONS = (ValueError, KeyError, IndexError, TypeError, shapely.errors.ShapelyError)
+
+# In this order, because each step builds on those before it.
+STEPS = (
+    form.check_form,
+    surface.check_mesh,
+    surface.check_tilt,
+    slices.check_levels,
+    slices.check_contours,
+    slices.check_curves,
+    slices.check_pieces,
+    critical_points.check_critical,
+    regions.check_holes,
+    regions.check_blocks,
+    handles.check_handles,
+    handles.check_sides,
+    links.check_nodes,
+    links.check_edges,
+    links.check_arcs,
+    graph_checks.check_graphs,
+    graph_checks.check_identities,
+    critical_points.check_simplified,
+)
+# Without these there is nothing that the later steps could be about.
+FOUNDATIONS = (form.check_form, surface.check_mesh, slices.check_levels, slices.check_contours)
+
+APART = (
+    "Bodies lie inside or across one another. Each body is taken as a solid of its own and the solid as their "
+    "disjoint union: volumes add up, and material that two bodies share counts twice."
+)
+CROSSING = (
+    "The surface crosses itself. The solid is taken sheet by sheet as the surface bounds it: a contour is outer or a "
+    "hole by the sign of its whole area, and material where sheets overlap counts as often as they do."
+)
+
+BY_SOS = (
+    "Neighbouring vertices have one height, or differ by no more than rounding. The graphs are those of the height "
+    "tilted by an infinitesimal amount towards x of the tilted frame, and by an infinitesimal part of that towards y "
+    "(simulation of simplicity): exact for it, and for every real tilt of that kind that is small enough."
+)
+
+
+def certify(tables, tilt, graphs, feature_size, distance=None, curves=None):
+    """The certificate of one model, a dict that JSON can hold.
+
+    Parameters
+    ----------
+    tables : dict of pyarrow tables vertices, faces, shells, levels, contours,
+        pieces, handles, critical_points, critical_arcs, nodes, edges, arcs,
+        as `schemas` declares them
+    tilt : dict, the content of tilt.json
+    graphs : dict of :class:`graphml.ReadGraph`, by the names in `schemas.GRAPHS`
+    feature_size : float, mesh units; what is smaller may stay unresolved in a
+        model that is `exact_at_feature_size`
+    distance : float or None, mesh units; the largest spacing of uniform levels
+    curves : what :func:`curves.read_curves` tells of the contours; then their table is without `geometry`
+
+    Never raises on account of the tables: what contradicts itself so badly
+    that a step cannot be made is a check that fails, and the steps that build
+    on it are entered as not made.
+    """
+    case = SimpleNamespace(tables=tables, tilt=tilt, graphs=graphs, size=feature_size, distance=distance, open={})
+    case.read_curves = curves
+    ledger = Ledger()
+    stopped = ""
+    for step in STEPS:
+        name = step.__name__.removeprefix("check_")
+        if stopped:
+            ledger.enter(f"{name}: made", False, True, says=f"Not examined, because of {stopped}.")
+            continue
+        try:
+            before = len(ledger.checks)
+            step(case, ledger)
+            failed = [n for n in list(ledger.checks)[before:] if not ledger.checks[n]["holds"]]
+            stopped = f"the check {failed[0]!r}" if failed and step in FOUNDATIONS else ""
+        except CONTRADICTIONS as fault:
+            says = (
+                f"The tables contradict each other so that this could not be examined: {type(fault).__name__}: {fault}"
+            )
+            ledger.enter(f"{name}: made", False, True, says=says)
+            stopped = f"the step {name!r}"
+    return {"verdict": _verdict(case, ledger)} | _figures(case) | {"checks": ledger.checks}
+
+
+def _verdict(case, ledger):
+    """The verdict, from the checks and from what the graph does not show apart.
+
+    That is, critical points that share a piece or a block, and pairs that
+    cancel inside a slab, where neither leaves a trace in the contours.
+    """
+    if not ledger.holds():
+        return "uncertified"
+    groups, cancelled = unresolved_groups(case), case.cancelled.max(initial=0.0)
+    if not groups and cancelled <= case.noise:
+        return "exact"
+    small = all(_small(case, group) for group in groups) and cancelled < case.size
+    return "exact_at_feature_size" if small else "uncertified"
+
+
+def unresolved_groups(case):
+    """Handles (lists) of each piece that is not elementary and of each block whose order is open."""
+    t = case.columns
+    groups = []
+    for piece in np.flatnonzero(~case.elementary).tolist():
+        groups.append(np.flatnonzero(t.handles["piece"] == piece).tolist())
+    for block in np.flatnonzero(~case.block_resolved).tolist():
+        groups.append(np.flatnonzero(t.handles["block"] == block).tolist())
+    return groups
+
+
+def _small(case, group):
+    """Whether at most one of the handles has at least the feature size."""
+    persistence = case.columns.handles["persistence"]
+    return sum(persistence[h] >= case.size for h in group) < 2
+
+
+def _figures(case):
+    """Everything in the certificate besides verdict and checks; None where unknown."""
+    get = lambda name, default=None: getattr(case, name, default)  # noqa: E731
+    kinds, handles = get("kinds"), getattr(get("columns"), "handles", None)
+    similarity = None
+    if get("similarity") is not None and len(case.similarity):
+        values = case.similarity
+        similarity = {
+            "min": float(values.min()),
+            "median": float(np.median(values)),
+            "max": float(values.max()),
+            "share_below_half": float((values < 0.5).mean()),
+        }
+    index = None if handles is None else np.asarray(handles["index"])
+    cancelled, why = get("cancelled"), getattr(get("columns"), "levels", {}).get("why")
+    tilt = case.tilt if isinstance(case.tilt, dict) else {}
+    return {
+        "euler_characteristic": get("euler"),
+        "genus": get("genus"),
+        "voids": get("voids"),
+        "betti_solid": get("betti"),
+        "shells": get("n_shells"),
+        "handles": None if index is None else {str(i): int((index == i).sum()) for i in range(3)},
+        "loops_surface": get("loops_surface"),
+        "loops_solid": get("loops_solid"),
+        "hidden_genus": get("hidden"),
+        "suppressed_loops": get("suppressed"),
+        "simplified": get("simplified"),
+        "compound": None if kinds is None else int((kinds == "compound").sum()),
+        "unseen": None if kinds is None else int((kinds == "unseen").sum()),
+        "unresolved_blocks": None if get("block_resolved") is None else int((~case.block_resolved).sum()),
+        "cancelled_pairs": None if cancelled is None else int((cancelled > case.noise).sum()),
+        "cancelled_persistence": None if cancelled is None else float(cancelled.max(initial=0.0)),
+        "levels": None if why is None else len(why),
+        "refined_levels": None if why is None else int((np.asarray(why) == "refined").sum()),
+        "margin": tilt.get("margin"),
+        "angle": tilt.get("angle"),
+        "morse": tilt.get("morse"),
+        "height_interpretation": BY_SOS if tilt.get("morse") == "by_sos" else "",
+        "feature_size": float(case.size),
+        "similarity": similarity,
+        "open_questions": {name: int(value) for name, value in case.open.items()},
+        "solid_interpretation": " ".join(
+            text for text, holds in ((APART, get("entangled")), (CROSSING, get("crossing"))) if holds
+        ),
+        "volume": get("volume"),
+        "area": get("area"),
+    }

@@ -1,0 +1,1 @@
+"""Checks: what the tables say against what follows from the mesh."""

@@ -1,0 +1,119 @@
+"""Checks of form: tables as declared, ids and references that name rows, words that are known.
+
+Each takes the case (what is known of the model so far) and a ledger to enter
+its findings in; what it recomputes it leaves in the case for later checks.
+"""
+
+from types import SimpleNamespace
+
+import numpy as np
+import pyarrow as pa
+
+from ...schemas import EVENTS, GRAPHS, MODEL_TABLES, OPERATIONS, PAIRINGS, PIECE_KINDS, check_table
+from ..graphml import ReadGraph
+
+KEYS = {name: name[:-1] for name in ("shells", "levels", "contours", "pieces", "handles", "nodes", "edges")} | {
+    "critical_points": "critical", "critical_arcs": "arc",
+}  # fmt: skip
+# (table, column, the table that its numbers are rows of)
+REFERENCES = (
+    ("faces", "a", "vertices"), ("faces", "b", "vertices"), ("faces", "c", "vertices"), ("faces", "shell", "shells"),
+    ("shells", "body", "shells"), ("shells", "parent", "shells"),
+    ("contours", "level", "levels"), ("contours", "shell", "shells"), ("contours", "parent", "contours"),
+    ("contours", "region", "nodes"), ("contours", "lower_vertex", "vertices"), ("contours", "upper_vertex", "vertices"),
+    ("pieces", "shell", "shells"), ("pieces", "below", "contours"), ("pieces", "above", "contours"),
+    ("pieces", "critical", "vertices"), ("pieces", "block", "pieces"),
+    ("handles", "piece", "pieces"), ("handles", "block", "pieces"), ("handles", "vertex", "vertices"),
+    ("handles", "contours_below", "contours"), ("handles", "contours_above", "contours"),
+    ("handles", "regions_below", "nodes"), ("handles", "regions_above", "nodes"),
+    ("handles", "pair", "handles"), ("critical_points", "vertex", "vertices"),
+    ("critical_points", "partner", "critical_points"), ("critical_points", "handle", "handles"),
+    ("critical_arcs", "source", "critical_points"), ("critical_arcs", "target", "critical_points"),
+    ("nodes", "level", "levels"), ("nodes", "region", "nodes"),
+    ("edges", "source", "nodes"), ("edges", "target", "nodes"), ("edges", "handle", "handles"),
+)  # fmt: skip
+WORDS = (
+    ("levels", "why", ("uniform", "refined")), ("pieces", "kind", PIECE_KINDS), ("handles", "side", ("A", "B")),
+    ("handles", "operation", OPERATIONS), ("handles", "change", (None, *EVENTS)), ("handles", "index", (0, 1, 2)),
+    ("edges", "operation", ("continuation", *OPERATIONS)), ("edges", "method", ("exact", "similarity", "proximity")),
+    ("arcs", "graph", ("solid", "surface")), ("critical_points", "pairing", PAIRINGS),
+)  # fmt: skip
+
+
+def check_form(case, ledger):
+    """Tables as declared, ids that count their rows, references to rows that exist."""
+    apart = {} if case.read_curves is None else {"contours": ("geometry",)}
+    given = ((name, case.tables.get(name), apart.get(name, ())) for name in MODEL_TABLES)
+    faults = [fault for table in given for fault in _schema_fault(*table)]
+    if faults:
+        ledger.enter("tables_in_form", len(faults), 0, says=faults[0])
+        return
+    case.columns = SimpleNamespace(**{name: _columns(case.tables[name]) for name in MODEL_TABLES})
+    size = {name: case.tables[name].num_rows for name in MODEL_TABLES}
+    for name, key in KEYS.items():
+        if not np.array_equal(getattr(case.columns, name)[key], np.arange(size[name])):
+            faults.append(f"Column {key} of table {name} does not count its rows from 0.")
+    for name, column, target in REFERENCES:
+        values = _flat(getattr(case.columns, name)[column])
+        if len(values) and not (0 <= values.min() and values.max() < size[target]):
+            faults.append(f"Column {column} of table {name} names a row that table {target} does not have.")
+    for name, column, words in WORDS:
+        odd = set(getattr(case.columns, name)[column]) - set(words)
+        if odd:
+            faults.append(f"Column {column} of table {name} holds {sorted(map(str, odd))[0]!r}, which is no such word.")
+    for name in MODEL_TABLES:
+        for column, values in getattr(case.columns, name).items():
+            if isinstance(values, np.ndarray) and values.dtype.kind == "f" and not np.isfinite(values).all():
+                faults.append(f"Column {column} of table {name} holds a number that is not finite.")
+    faults += [f"Table {name} is empty." for name in ("faces", "levels", "pieces") if not size[name]]
+    faults += _document_faults(case.tilt, case.graphs)
+    ledger.enter("tables_in_form", len(faults), 0, says=faults[0] if faults else "")
+
+
+def _schema_fault(name, table, apart):
+    if not isinstance(table, pa.Table):
+        return [f"Table {name} is missing."]
+    try:
+        check_table(name, table, apart)
+    except ValueError as fault:
+        return [str(fault).splitlines()[0]]
+    return []
+
+
+def _document_faults(tilt, graphs):
+    shapes = {"rotation": (3, 3), "direction": (3,)}
+    for name, shape in shapes.items():
+        try:
+            values = np.asarray(tilt[name], float)
+        except (KeyError, TypeError, ValueError):
+            return [f"tilt.json has no {name} of numbers."]
+        if values.shape != shape or not np.isfinite(values).all():
+            return [f"The {name} in tilt.json has shape {values.shape}, not {shape}, or is not finite."]
+    return [
+        f"The graph {name} is missing or no undirected multigraph."
+        for name in GRAPHS
+        if not isinstance(graphs.get(name), ReadGraph)
+    ]
+
+
+def _columns(table):
+    """Columns as arrays; those with lists or nulls as Python lists, those of bytes as they are."""
+    out = {}
+    for field in table.schema:
+        column = table[field.name]
+        if pa.types.is_integer(field.type) or pa.types.is_floating(field.type):
+            out[field.name] = column.to_pylist() if field.nullable else np.from_dlpack(column.combine_chunks())
+        elif pa.types.is_binary(field.type):
+            out[field.name] = column
+        elif pa.types.is_list(field.type) or field.nullable:
+            out[field.name] = column.to_pylist()
+        else:
+            out[field.name] = np.array(column.to_pylist(), bool if pa.types.is_boolean(field.type) else object)
+    return out
+
+
+def _flat(values):
+    if isinstance(values, np.ndarray):
+        return values
+    flat = [v for value in values if value is not None for v in (value if isinstance(value, list) else [value])]
+    return np.array(flat, np.int64)

@@ -1,0 +1,221 @@
+"""Checks of the slices: levels, contours and their curves, pieces.
+
+Each takes the case (what is known of the model so far) and a ledger to enter
+its findings in; what it recomputes it leaves in the case for later checks.
+"""
+
+import numpy as np
+
+from ..recount.crossings import cross
+from ..recount.curves import measure_curves, pass_spots, read_curves
+from ..recount.cut_surface import count_below, recount
+from ..recount.elders import essential_points
+from ..recount.exact_levels import ExactLevels
+from ..recount.surface import copies, find_sides
+from ..recount.unfoldings import unfold
+
+ELEMENTARY = {(1, 1): "cylinder", (0, 1): "birth", (1, 0): "death", (2, 1): "join", (1, 2): "split"}
+
+
+def check_levels(case, ledger):
+    """Levels ascend, and their counts of vertices below are those of their cuts."""
+    t = case.columns.levels
+    height, below = t["height"], t["vertices_below"].astype(np.int64)
+    tie_x = np.array([np.nan if v is None else v for v in t["tie_x"]], float)
+    tie_y = np.array([np.nan if v is None else v for v in t["tie_y"]], float)
+    total = int(case.surface.weight[-1])
+    ascending = bool((np.diff(height) >= 0).all() and (np.diff(below) >= 0).all())
+    ledger.enter("levels_ascend", ascending, True)
+    low, high = count_below(case.surface, height, tie_x, tie_y)
+    inside = (low <= below) & (below <= high) & (below < total) & (np.isnan(tie_x) == np.isnan(tie_y))
+    ledger.rows("levels.vertices_below", inside, "vertices that are not above the level")
+    counted = np.bincount(case.columns.contours["level"], minlength=len(height))
+    ledger.rows("levels.n_contours", t["n_contours"] == counted, "rows of contours")
+    regions = np.bincount(case.columns.nodes["level"], minlength=len(height))
+    ledger.rows("levels.n_regions", t["n_regions"] == regions, "rows of nodes")
+    _check_uniform(case, ledger, height, np.isnan(tie_x))
+    case.levels = {"height": height, "below": below, "tie_x": tie_x, "tie_y": tie_y}
+
+
+def _check_uniform(case, ledger, height, plain):
+    """The levels that are called uniform, and no others, are equispaced over the heights of the surface."""
+    uniform, z = np.flatnonzero(case.columns.levels["why"] == "uniform"), case.surface.points[:, 2]
+    n = len(uniform)
+    places = z[0] + (z[-1] - z[0]) * (np.arange(n) + 0.5) / max(n, 1)
+    holds = plain[uniform] & (np.abs(height[uniform] - places) <= case.noise)
+    ledger.rows("levels.why", holds if n else [False], "equispaced, half a step inside both ends")
+
+
+def check_contours(case, ledger):
+    """One contour per component of crossings, no more and no fewer."""
+    t = case.columns.contours
+    case.curves, drawn = case.read_curves or read_curves(t["geometry"].chunks)
+    drawn = drawn if len(drawn) == len(t["contour"]) else np.zeros(len(t["contour"]), bool)
+    ledger.rows("contours.geometry", drawn, "a closed line string in the plane")
+    if not drawn.all():
+        return
+    ends = np.stack([case.rank[t["lower_vertex"]], case.rank[t["upper_vertex"]]], axis=1)
+
+    def rings_at(level):
+        here = np.flatnonzero(t["level"] == level)
+        return case.curves.lines(here), [tuple(pair) for pair in ends[here].tolist()]
+
+    split, below, odd = unfold(case.surface, case.sides, case.levels["below"], rings_at, case.noise)
+    ledger.enter("saddles_that_no_unfolding_fits", len(odd), 0)
+    case.split, case.split_sides = split, case.sides if split is case.surface else find_sides(split)
+    anchors = {"level": t["level"].astype(np.int64)}
+    anchors |= {end: t[f"{end}_vertex"].astype(np.int64) for end in ("lower", "upper")}
+    doubled = copies(case.surface)[case.rank[split.origin]] - 1
+    case.recount = found = recount(split, case.split_sides, case.levels | {"below": below}, anchors, doubled)
+    case.exact = ExactLevels(split, case.split_sides, below, t["level"], found.side)
+    ledger.rows("contours.anchors", found.anchored, "one contour of the mesh per row")
+    counted = np.bincount(t["level"], minlength=len(below))
+    ledger.rows("contours_per_level", found.n_contours == counted, "components of crossings")
+    ledger.rows("contours.shell", t["shell"] == found.shell, "shell of the faces it crosses")
+    ledger.rows("contours.n_points", np.abs(t["n_points"] - found.n_points) <= found.loose, "mesh edges crossed")
+
+
+def check_curves(case, ledger):
+    """Curves, areas and perimeters are those of the mesh at the level."""
+    t, found = case.columns.contours, case.recount
+    ledger.rows("contours.height", t["height"] == case.levels["height"][t["level"]], "height of the level")
+    area, perimeter, case.centres, case.boxes = measure_curves(*case.curves)
+    case.drawn_area, case.drawn_perimeter = area, perimeter
+    slack = case.noise * (found.perimeter + case.noise)
+    for name, values, mesh in (("signed_area", area, found.area), ("perimeter", perimeter, found.perimeter)):
+        room = slack + 1e-9 * np.abs(mesh) if name == "signed_area" else 1e-9 * mesh + case.noise * found.n_points
+        ledger.rows(f"contours.{name}", np.abs(t[name] - mesh) <= room, f"{name} counted on the mesh")
+        ledger.rows(f"contours.geometry.{name}", np.abs(values - mesh) <= room, f"{name} of the curve")
+    _check_positions(case, ledger, t)
+    _check_gaps(case, ledger)
+
+
+def _check_gaps(case, ledger):
+    """Levels lie at most the wanted distance apart."""
+    if case.distance is None:
+        return
+    z = case.surface.points[:, 2]
+    gaps = np.diff(np.concatenate([[z[0]], case.levels["height"], [z[-1]]]))
+    holds = gaps.max() <= case.distance * (1 + 1e-9) + case.noise
+    ledger.enter("largest_gap_between_levels", gaps.max(), f"at most {case.distance:.9g}", holds)
+
+
+def _check_positions(case, ledger, t):
+    """Every curve passes through the crossing at its anchor."""
+    low, high, level = case.rank[t["lower_vertex"]], case.rank[t["upper_vertex"]], t["level"]
+    spots = cross(case.surface, low, high, *(case.levels[k][level] for k in ("height", "tie_x", "tie_y")))
+    single = low != high
+    passes = pass_spots(*case.curves, spots, case.noise)
+    ledger.rows("contours.position", ~single | passes, "the curve passes its anchor")
+
+
+def check_pieces(case, ledger):
+    """One piece per component of cells, with the same contours, shape and measures."""
+    t, found = case.columns.pieces, case.recount
+    n, n_contours = len(t["piece"]), len(found.anchored)
+    ledger.enter("number_of_pieces", n, len(found.slab))
+    below, above = _bounded_by(t["above"], n_contours), _bounded_by(t["below"], n_contours)
+    ledger.enter("contours_bound_one_piece_each_way", below is not None and above is not None, True)
+    if below is None or above is None:
+        raise ValueError("some contour bounds no piece, or several, on one of its sides")
+    name = _match_pieces(t, found, below, above)
+    met = np.bincount(name[name >= 0], minlength=n) == 1
+    ledger.rows("pieces.contours", met & _ends_agree(name, found, below, above, n), "contours below and above")
+    if not met.all():
+        raise ValueError(f"piece {np.flatnonzero(~met)[0]} of the table is no piece of the mesh")
+    case.piece = name  # recounted piece -> row
+    row = np.argsort(name)  # row -> recounted piece
+    case.below, case.above = below, above
+    n_below = np.bincount(found.above, minlength=len(found.slab))[row]
+    n_above = np.bincount(found.below, minlength=len(found.slab))[row]
+    euler = found.euler[row]
+    genus = (2 - n_below - n_above - euler) // 2
+    kinds = [_kind(*ends) for ends in zip(n_below.tolist(), n_above.tolist(), genus.tolist())]
+    case.kinds = np.array(kinds, object)
+    case.slab, case.piece_genus, case.piece_euler, case.piece_ends = found.slab[row], genus, euler, (n_below, n_above)
+    case.piece_shell, case.piece_area, case.piece_flux = found.piece_shell[row], found.piece_area[row], found.flux[row]
+    case.hidden = int(genus.sum())
+    case.elementary = (case.kinds != "compound") & (case.kinds != "unseen")
+    for column, values in (
+        ("slab", case.slab), ("shell", case.piece_shell), ("n_below", n_below), ("n_above", n_above),
+        ("euler_characteristic", euler), ("genus", genus), ("kind", case.kinds),
+    ):  # fmt: skip
+        ledger.rows(f"pieces.{column}", t[column] == values, f"{column} counted on the mesh")
+    ledger.enter("genus_of_pieces_is_whole", int(((n_below + n_above + euler) % 2).sum() + (genus < 0).sum()), 0)
+    for column, values, noise in (
+        ("area", case.piece_area, case.area_noise),
+        ("flux", case.piece_flux, case.volume_noise),
+    ):
+        ledger.rows(
+            f"pieces.{column}", np.abs(t[column] - values) <= noise + 1e-7 * np.abs(values), f"{column} of its cells"
+        )
+    _check_essential(case, ledger, t)
+
+
+def _bounded_by(lists, n_contours):
+    """The row whose list each contour is in, or None unless it is in exactly one."""
+    flat = np.array([c for members in lists for c in members], np.int64)
+    rows = np.repeat(np.arange(len(lists)), [len(members) for members in lists])
+    if not np.array_equal(np.bincount(flat, minlength=n_contours), np.ones(n_contours, int)):
+        return None
+    out = np.empty(n_contours, np.int64)
+    out[flat] = rows
+    return out
+
+
+def _match_pieces(t, found, below, above):
+    """The row of each recounted piece: by a contour, or by shell where it has none."""
+    name = np.full(len(found.slab), -1)
+    name[found.below], name[found.above] = below, above
+    closed = {
+        int(t["shell"][row]): row for row in range(len(t["piece"])) if not t["below"][row] and not t["above"][row]
+    }
+    for piece in np.flatnonzero(name < 0).tolist():
+        name[piece] = closed.get(int(found.piece_shell[piece]), -1)
+    return name
+
+
+def _ends_agree(name, found, below, above, n):
+    """Rows whose every contour bounds the piece that the mesh says."""
+    holds = np.ones(n, bool)
+    for ends, rows in ((found.below, below), (found.above, above)):
+        wrong = name[ends] != rows
+        holds[rows[wrong]] = False
+        holds[name[ends[wrong]]] = False
+    return holds
+
+
+def _kind(n_below, n_above, genus):
+    if n_below + n_above == 0:
+        return "unseen"
+    return ELEMENTARY.get((n_below, n_above), "compound") if genus == 0 else "compound"
+
+
+def _check_essential(case, ledger, t):
+    """The essential critical points of each piece, by the elder rule once more."""
+    count, pairs = essential_points(case.split, case.split_sides, case.recount)
+    z = case.split.points[:, 2]
+    case.cancelled = np.abs(z[pairs[:, 0]] - z[pairs[:, 1]])  # what the graph does not show, in mesh units
+    vertices = np.repeat(np.arange(len(count)), count)
+    members = [[] for _ in t["piece"]]
+    for vertex, piece in zip(vertices.tolist(), case.piece[case.recount.piece_of_vertex[vertices]].tolist()):
+        members[piece].append(int(case.split.origin[vertex]))
+    ledger.rows(
+        "pieces.critical", [a == b for a, b in zip(t["critical"], members)], "vertices that the elder rule leaves"
+    )
+    case.essential = members
+    ledger.enter("sum_of_vertex_indices", int((1 - case.surface.changes // 2).sum()), case.euler)
+    ranks = [rank for ranks in t["critical_ranks"] for rank in ranks]
+    decoded = _surface_vertices(case, np.array(ranks, np.int64))
+    flat = [vertex for vertices in t["critical"] for vertex in vertices]
+    lengths = [len(a) == len(b) for a, b in zip(t["critical"], t["critical_ranks"])]
+    same = all(lengths) and decoded.tolist() == flat and len(set(ranks)) == len(ranks)
+    ledger.enter("pieces.critical_ranks", bool(same), True)
+
+
+def _surface_vertices(case, ranks):
+    """The surface vertex of ranks that count every copy of a multiple saddle; -1 for none."""
+    origin, weight = case.surface.origin, case.surface.weight
+    place = np.searchsorted(weight, ranks.astype(weight.dtype), side="right") - 1
+    known = (place >= 0) & (place < len(origin))
+    return np.where(known, origin[np.clip(place, 0, len(origin) - 1)], -1)

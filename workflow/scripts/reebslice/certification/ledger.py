@@ -1,0 +1,42 @@
+"""The ledger: every check by name with its two sides."""
+
+import numpy as np
+
+
+class Ledger:
+    """The checks made so far: {name: {found, expected, holds, says}}."""
+
+    def __init__(self):
+        self.checks = {}
+
+    def enter(self, name, found, expected, holds=None, says=""):
+        """Enter a check; it holds if the two sides are equal, unless `holds` tells."""
+        holds = found == expected if holds is None else holds
+        self.checks[name] = {"found": _plain(found), "expected": _plain(expected), "holds": bool(holds), "says": says}
+
+    def rows(self, name, agree, what):
+        """Enter a check of rows: (n,) bool, all of which must agree."""
+        agree = np.asarray(agree, bool)
+        wrong = np.flatnonzero(~agree)
+        says = f"{len(wrong)} of {len(agree)} rows differ: {what}; the first is row {wrong[0]}." if len(wrong) else ""
+        self.enter(name, int(agree.sum()), len(agree), says=says)
+
+    def close(self, name, found, expected, tolerance):
+        """Enter a check of two numbers that may differ by `tolerance`."""
+        holds = bool(abs(found - expected) <= tolerance)
+        self.enter(
+            name, float(found), float(expected), holds, "" if holds else f"They differ by more than {tolerance:.3g}."
+        )
+
+    def holds(self):
+        return bool(self.checks) and all(check["holds"] for check in self.checks.values())
+
+
+def _plain(value):
+    if isinstance(value, np.generic):
+        value = value.item()
+    if isinstance(value, float) and not np.isfinite(value):
+        return str(value)
+    if isinstance(value, dict):
+        return {str(name): _plain(entry) for name, entry in value.items()}
+    return [_plain(entry) for entry in value] if isinstance(value, (list, tuple, np.ndarray)) else value

@@ -1,0 +1,1 @@
+"""Recounts: what follows from the mesh, by code of its own."""

@@ -1,0 +1,127 @@
+"""Blocks, arcs and the three graphs, built again from recounted facts.
+
+The chains of plain parts are found as connected components rather
+than by walking upward, and each graph is compared as a multigraph, node by
+node and edge by edge, with ids and ends.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from .components import find_components
+
+
+class Parts(NamedTuple):
+    """What lies between consecutive levels: blocks of the solid or pieces of the surface.
+
+    above, below : (I,) the part on either side of each item (region, contour)
+    joints : handle ids that are nodes in each part, ascending
+    measure : (P,) volume or area
+    """
+
+    above: np.ndarray
+    below: np.ndarray
+    joints: list
+    measure: np.ndarray
+
+
+def find_blocks(piece_above, piece_below, region, n_pieces, n_regions, hosts):
+    """Blocks of the solid: (of each piece, above and below each region, their number).
+
+    Components of the bipartite graph of pieces and the two sides of regions;
+    hosts : {piece of a closed void inside a slab: a piece of the block around it}.
+    """
+    extra = np.array(sorted(hosts.items()), np.int64).reshape(-1, 2)
+    ends = np.concatenate([n_pieces + region, n_pieces + n_regions + region, extra[:, 0]])
+    pieces = np.concatenate([piece_above, piece_below, extra[:, 1]])
+    size = n_pieces + 2 * n_regions
+    n, part = find_components(ends, pieces, size)
+    return part[:n_pieces], part[n_pieces : n_pieces + n_regions], part[n_pieces + n_regions :], n
+
+
+def counts(parts):
+    """Items below and above every part, two (P,) int."""
+    n = len(parts.joints)
+    return np.bincount(parts.above, minlength=n), np.bincount(parts.below, minlength=n)
+
+
+def find_arcs(parts, level):
+    """Arcs {(source, target, items): measure} between the joints of parts.
+
+    level : (I,) of the items. Returns the arcs and the parts that are neither
+    a joint nor a plain continuation; no arc can pass those.
+    """
+    n_below, n_above = counts(parts)
+    has = np.array([bool(joints) for joints in parts.joints], bool)
+    odd = ~has & ((n_below != 1) | (n_above != 1))
+    plain = ~has & ~odd
+    items = np.arange(len(level))
+    low, high = np.full(len(has), -1), np.full(len(has), -1)
+    low[parts.above], high[parts.below] = items, items  # one each where plain
+    n, chain = find_components(low[plain], high[plain], len(items))
+    order = np.lexsort((level, chain))
+    runs = np.split(order, np.searchsorted(chain[order], np.arange(1, n))) if n else []
+    ends = [(int(parts.below[run[0]]), int(parts.above[run[-1]])) for run in runs]
+    inner = [(part, part) for part, joints in enumerate(parts.joints) for _ in joints[1:]]
+    meeting = np.bincount(np.array(ends + inner, np.int64).ravel(), minlength=len(has))
+    arcs = {}
+    for run, (part, following) in zip(runs, ends):
+        if odd[part] or odd[following]:
+            continue
+        measure = parts.measure[parts.above[run[:-1]]].sum()
+        measure += sum(parts.measure[end] / meeting[end] for end in (part, following))
+        key = parts.joints[part][-1], parts.joints[following][0], tuple(run.tolist())
+        arcs[key] = arcs.get(key, 0.0) + float(measure)
+    for part, joints in enumerate(parts.joints):
+        for source, target in zip(joints[:-1], joints[1:]):
+            arcs[source, target, ()] = 2 * float(parts.measure[part]) / meeting[part]
+    return arcs, np.flatnonzero(odd)
+
+
+def find_augmented_edges(parts, operations):
+    """Edges of the augmented graph: a sorted list of (node, node, operation)."""
+    n = len(parts.joints)
+    below, above = [[] for _ in range(n)], [[] for _ in range(n)]
+    for item, (low, high) in enumerate(zip(parts.above.tolist(), parts.below.tolist())):
+        below[low].append(item)
+        above[high].append(item)
+    edges = []
+    for lower, upper, joints in zip(below, above, parts.joints):
+        if not joints:
+            edges += [(f"n{a}", f"n{b}", "continuation") for a in lower for b in upper]
+            continue
+        edges += [(f"n{a}", f"h{joints[0]}", operations[joints[0]]) for a in lower]
+        edges += [(f"h{a}", f"h{b}", operations[b]) for a, b in zip(joints[:-1], joints[1:])]
+        edges += [(f"h{joints[-1]}", f"n{b}", operations[joints[-1]]) for b in upper]
+    return sorted((*sorted(edge[:2]), edge[2]) for edge in edges)
+
+
+def count_loops(n_nodes, pairs):
+    """First Betti number and components of a multigraph on 0..n_nodes-1 with edges `pairs`."""
+    n, part = count_components(n_nodes, pairs)
+    return len(pairs) - n_nodes + n, part
+
+
+def neighbours(graph):
+    """The nodes at the other ends of each node's edges, once per edge: {name: list}."""
+    around = {node: [] for node in graph.nodes}
+    for a, b, *_ in graph.edges:
+        around[a].append(b)
+        around[b].append(a)
+    return around
+
+
+def find_parts(graph):
+    """The connected components of a :class:`graphml.ReadGraph`: sets of names."""
+    place = {node: k for k, node in enumerate(graph.nodes)}
+    n, part = count_components(len(place), [(place[a], place[b]) for a, b, *_ in graph.edges])
+    parts = [set() for _ in range(n)]
+    for node, k in zip(place, part.tolist()):
+        parts[k].add(node)
+    return parts
+
+
+def count_components(n_nodes, pairs):
+    """Components of a graph on 0..n_nodes-1 with edges `pairs`: their number and (n_nodes,) that of each node."""
+    return find_components(*np.asarray(pairs, np.int64).reshape(-1, 2).T, n_nodes)

@@ -1,0 +1,162 @@
+"""Which contour lies in which at its level, counted again.
+
+Only what no rank can decide is done here with coordinates. What rounding
+leaves open is decided in rational numbers, or the answer is "open", never a
+guess.
+"""
+
+import numpy as np
+import shapely
+from numba import njit
+
+
+class Nest:
+    """The contours and what is known of them: closed curves, their boxes, signed area, its error, level.
+
+    noise : how far a curve may be from its contour; exact : what tells of the
+    contours in exact numbers, :class:`exact_levels.ExactLevels`
+    """
+
+    def __init__(self, curves, boxes, area, slack, level, noise, exact):
+        self.curves, self.level, self.noise, self.exact = curves, level, noise, exact
+        self.size, self.slack = np.abs(area), slack
+        order = np.lexsort((boxes[:, 0], level))
+        one, other = _find_near(order, boxes, level, self.size, slack, noise)
+        order = np.lexsort((other, self.size[other], one))
+        one, other = one[order], other[order]
+        starts = np.flatnonzero(np.diff(one, prepend=-1))
+        # of each contour those of its level that may be around it or cross it, the smallest first
+        self.near = {k: run.tolist() for k, run in zip(one[starts].tolist(), np.split(other, starts[1:]))}
+        self.shares = {}
+
+    def innermost(self, contour, members):
+        """(the smallest of `members`, ascending, around `contour` or -1, whether some member crosses it)."""
+        best, crosses = -1, False
+        for other in members:
+            if best >= 0 and self.size[other] > self.size[best] + self.slack[other] + self.slack[best]:
+                break
+            share = self._share(contour, other)
+            crosses |= 0 < share < 1
+            if share == 1 and (best < 0 or self.exact.winds_around(best, other)):
+                best = other
+        return best, crosses
+
+    def most(self, hole, members):
+        """The member that holds most of a hole that crosses them, of equal ones the smallest."""
+        members = sorted(members, key=self.size.__getitem__)
+        hole, *others = self.curves.lines([hole, *members])
+        shares = [_area_share(hole, _polygon(other)) for other in others]
+        return members[int(np.argmax(shares))]
+
+    def _share(self, contour, other):
+        """Share of a contour inside another: of its points further from that than rounding, or in exact numbers."""
+        if (contour, other) not in self.shares:
+            inside, clear = _count_inside(*self.curves, contour, other, 2 * self.noise)
+            share = inside / clear if clear else float(self.exact.winds_around(other, contour))
+            self.shares[contour, other] = share
+        return self.shares[contour, other]
+
+
+def find_hosts(nest, inner, body):
+    """The outer contours that each hole lies in: (host, open), (C,) int and bool.
+
+    The host is the smallest outer contour of the same level and body around
+    the hole; -1 for outer contours, and for holes of a level and body without
+    any outer one. A host without rival needs no geometry: material is bounded.
+    `open` marks holes that a surface that crosses itself leaves between two
+    regions; theirs is the one that holds most of them.
+    """
+    host, is_open = np.full(len(inner), -1), np.zeros(len(inner), bool)
+    groups = {}
+    for contour, key in enumerate(zip(nest.level.tolist(), body.tolist())):
+        groups.setdefault(key, ([], []))[int(inner[contour])].append(contour)
+    for outers, holes in groups.values():
+        if len(outers) == 1:
+            host[holes] = outers[0]
+        elif outers:
+            for hole in holes:
+                near = [k for k in nest.near.get(hole, []) if not inner[k] and body[k] == body[hole]]
+                host[hole], is_open[hole] = nest.innermost(hole, near)
+                if host[hole] < 0:
+                    host[hole], is_open[hole] = nest.most(hole, outers), True
+    return host, is_open
+
+
+def find_parents(nest):
+    """The smallest contour around each one, (C,) int or -1, and where that is unsure (C,) bool."""
+    parent, unsure = np.full(len(nest.size), -1), np.zeros(len(nest.size), bool)
+    for contour, near in nest.near.items():
+        parent[contour], unsure[contour] = nest.innermost(contour, near)
+    return parent, unsure
+
+
+@njit(cache=True)
+def _find_near(order, boxes, level, size, slack, room):
+    """Pairs (contour, other) of one level, other not smaller, with boxes that meet or lie in one another.
+
+    order : the contours by level and then by the lower x of their boxes
+    """
+    one, two = [0 for _ in range(0)], [0 for _ in range(0)]
+    for place in range(len(order)):
+        for following in range(place + 1, len(order)):
+            i, j = order[place], order[following]
+            if level[j] != level[i] or boxes[j, 0] > boxes[i, 2] + room:
+                break
+            for a, b in ((i, j), (j, i)):
+                around = boxes[b, 0] <= boxes[a, 0] + room and boxes[b, 1] <= boxes[a, 1] + room
+                around = around and boxes[b, 2] >= boxes[a, 2] - room and boxes[b, 3] >= boxes[a, 3] - room
+                meet = boxes[b, 0] <= boxes[a, 2] and boxes[b, 1] <= boxes[a, 3]
+                meet = meet and boxes[b, 2] >= boxes[a, 0] and boxes[b, 3] >= boxes[a, 1]
+                if (around or meet) and size[b] >= size[a] - slack[b] - slack[a]:
+                    one.append(a)
+                    two.append(b)
+    return np.array(one), np.array(two)
+
+
+@njit(cache=True)
+def _count_inside(points, first, contour, other, room):
+    """Of the middles of some 64 segments of one closed curve further than `room` from another, how many are inside.
+
+    points : (N, 2) corners of all curves; first : (C + 1,) where each begins.
+    Returns (how many are inside, how many are that far). Rounding cannot move
+    any of those to the other side.
+    """
+    inside, clear = 0, 0
+    for k in range(first[contour], first[contour + 1] - 1, max(1, (first[contour + 1] - first[contour] - 1) // 64)):
+        x, y = (points[k, 0] + points[k + 1, 0]) / 2, (points[k, 1] + points[k + 1, 1]) / 2
+        near, within = False, False
+        for i in range(first[other], first[other + 1] - 1):
+            py, qy = points[i, 1] - y, points[i + 1, 1] - y
+            if min(py, qy) > room or max(py, qy) < -room:
+                continue  # neither near nor across the ray along +x
+            px, qx = points[i, 0] - x, points[i + 1, 0] - x
+            if max(px, qx) < -room:
+                continue
+            dx, dy = qx - px, qy - py
+            length = dx * dx + dy * dy
+            share = min(max(-(px * dx + py * dy) / length, 0.0), 1.0) if length > 0 else 0.0
+            if np.hypot(px + share * dx, py + share * dy) <= room:
+                near = True
+                break
+            if (py > 0) != (qy > 0) and px - py * dx / dy > 0:
+                within = not within
+        inside += within and not near
+        clear += not near
+    return inside, clear
+
+
+def _polygon(curve):
+    """A closed curve as a polygon, empty if it does not span one."""
+    points = shapely.get_coordinates(curve)
+    return shapely.Polygon(points if len(points) >= 4 else None)
+
+
+def _area_share(hole, ring):
+    """Share of a hole's area, or of its length if it has none, within a ring."""
+    shape = shapely.make_valid(_polygon(hole)) if shapely.get_num_points(hole) >= 4 else hole
+    ring = ring if shapely.is_valid(ring) else shapely.make_valid(ring)
+    inside = shapely.intersection(shape, ring)
+    if shapely.area(shape) > 0:
+        return float(shapely.area(inside) / shapely.area(shape))
+    length = float(shapely.length(shape))
+    return float(shapely.length(inside)) / length if length > 0 else float(shapely.intersects(shape, ring))

@@ -1,0 +1,120 @@
+"""Regions of the solid as rings of curves: what they are like, what they share, and polygons where those are needed."""
+
+from typing import NamedTuple
+
+import numpy as np
+import shapely
+from numba import njit
+
+from .curves import Curves, distance_between
+from .shared_areas import find_chains, share_areas
+
+POINTS_AT_ONCE = 100_000
+
+
+class Regions(NamedTuple):
+    """R regions, bounded by `curves`.
+
+    contour : (C,) the contours by region, the outer ones first; begin :
+    (R + 1,) where those of each region begin. Of each `contour`: `turn`, +1 an
+    outer one drawn counter-clockwise or a hole drawn clockwise, -1 otherwise,
+    0 one that bounds nothing: a curve that does not span a triangle, or a hole
+    without an outer one. Of each region: `area`, `length` of its outline,
+    `broken`, whether that crosses or touches itself; what has become of those
+    regions then is in `mended`, {region: polygon}.
+    """
+
+    curves: Curves
+    contour: np.ndarray
+    begin: np.ndarray
+    turn: np.ndarray
+    area: np.ndarray
+    length: np.ndarray
+    broken: np.ndarray
+    mended: dict
+
+
+def find_regions(curves, drawn, length, mesh_area, region, inner, n_regions):
+    """The :class:`Regions`; of each curve the signed area and length as it is drawn and the area by the mesh."""
+    usable = (np.diff(curves.first) >= 4) & (mesh_area != 0)
+    whole = np.bincount(region[usable & ~inner], minlength=n_regions) > 0
+    order = np.lexsort((inner, region))
+    turn = np.where(usable & whole[region], np.where(inner, -1, 1) * np.where(drawn < 0, -1, 1), 0)
+    sums = [np.bincount(region, values, n_regions) for values in (turn * drawn, np.abs(turn) * length)]
+    begin = np.concatenate([[0], np.cumsum(np.bincount(region, minlength=n_regions))])
+    found = Regions(curves, order, begin, turn[order], *sums, np.zeros(n_regions, bool), {})
+    points = np.concatenate([[0], np.cumsum(np.diff(curves.first)[order])])[begin[:-1]]
+    for run in np.split(np.arange(n_regions), np.flatnonzero(np.diff(points // POINTS_AT_ONCE)) + 1):
+        _mend(found, run)
+    return found
+
+
+def _mend(regions, run):
+    polygons = build_polygons(regions, run)
+    wrong = ~shapely.is_valid(polygons)
+    mended = shapely.buffer(shapely.make_valid(polygons[wrong]), 0)
+    regions.mended.update(zip(run[wrong].tolist(), mended))
+    regions.broken[run[wrong]] = True
+    regions.area[run[wrong]], regions.length[run[wrong]] = shapely.area(mended), shapely.length(mended)
+
+
+def build_polygons(regions, rows):
+    """Some of the regions as shapely has them, (k,); mended ones as they are now, empty ones without an outer curve."""
+    counts = regions.begin[rows + 1] - regions.begin[rows]
+    index = np.repeat(np.arange(len(rows)), counts)
+    place = np.arange(len(index)) + (regions.begin[rows] - np.cumsum(counts) + counts)[index]
+    index, place = index[regions.turn[place] != 0], place[regions.turn[place] != 0]
+    out = np.full(len(rows), shapely.Polygon(), object)
+    if len(index):
+        coordinates, ring = regions.curves.pick(regions.contour[place])
+        rings = shapely.linearrings(coordinates, indices=ring)
+        shapely.polygons(rings, indices=index, out=out)
+    for k in np.flatnonzero(regions.broken[rows]).tolist():
+        out[k] = regions.mended[int(rows[k])]
+    return out
+
+
+def share(regions, one, other):
+    """Areas that pairs of regions share, (E,): by chains, or by their polygons where one has been mended."""
+    bounds = regions.turn != 0
+    region = np.repeat(np.arange(len(regions.area)), np.diff(regions.begin))[bounds]
+    rings = regions.contour[bounds], region, regions.turn[bounds]
+    points = regions.curves.points
+    shared = share_areas(points, *find_chains(points, regions.curves.first, *rings, len(regions.area)), one, other)
+    mended = np.flatnonzero(regions.broken[one] | regions.broken[other])
+    polygons = (build_polygons(regions, ends[mended]) for ends in (one, other))
+    shared[mended] = shapely.area(shapely.intersection(*polygons))
+    return shared
+
+
+def look_around(regions, spots):
+    """Around a spot (R, 2) in each region: whether it is inside, distance to its contours and to its outline, (R,)."""
+    bounds, curves = regions.turn != 0, regions.curves
+    inside, near, edge = _look_around(
+        curves.points, curves.first, regions.contour, regions.begin, bounds, np.ascontiguousarray(spots)
+    )
+    broken = np.flatnonzero(regions.broken)
+    polygons = build_polygons(regions, broken)
+    inside[broken] = shapely.contains_xy(polygons, spots[broken])
+    edge[broken] = np.nan_to_num(shapely.distance(shapely.boundary(polygons), shapely.points(spots[broken])))
+    return inside, near, edge
+
+
+@njit(cache=True)
+def _look_around(points, first, contour, begin, bounds, spots):
+    n = len(spots)
+    inside, nearest, edge = np.zeros(n, np.bool_), np.full(n, np.inf), np.full(n, np.inf)
+    for r in range(n):
+        x, y = spots[r, 0], spots[r, 1]
+        for place in range(begin[r], begin[r + 1]):
+            c, near = contour[place], np.inf
+            for k in range(first[c], first[c + 1] - 1):
+                px, py, qx, qy = points[k, 0] - x, points[k, 1] - y, points[k + 1, 0] - x, points[k + 1, 1] - y
+                if bounds[place] and (py > 0) != (qy > 0) and px - py * (qx - px) / (qy - py) > 0:
+                    inside[r] = not inside[r]
+                if min(px, qx) < near and max(px, qx) > -near and min(py, qy) < near and max(py, qy) > -near:
+                    near = min(near, distance_between(px, py, qx, qy))
+            nearest[r] = min(nearest[r], near)
+            if bounds[place]:
+                edge[r] = min(edge[r], near)
+    return inside, nearest, edge

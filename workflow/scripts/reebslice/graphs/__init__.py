@@ -1,0 +1,1 @@
+"""Material points, arcs, and the Reeb graphs of solid and surface."""

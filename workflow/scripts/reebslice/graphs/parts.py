@@ -1,0 +1,94 @@
+"""What lies between consecutive levels, ready to be joined to a graph.
+
+The points of a Reeb graph at a level are items: regions for the solid,
+contours for the surface. A part links the items below it to those above it;
+a part in which something happens holds joints, the nodes of the graph.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from ..arrays.components import connected_items
+from ..schemas import EVENTS
+from ..slicing.tables import block_regions
+
+
+class Parts(NamedTuple):
+    """Parts of a solid or of a surface, in ascending order of slab.
+
+    below, above : items of each part, lists of lists
+    joints : handle ids of each part; empty for a plain continuation, several
+        for a chain of events, in ascending order
+    slab : list of int
+    measure : (B,) float64, volume or area
+    """
+
+    below: list
+    above: list
+    joints: list
+    slab: list
+    measure: np.ndarray
+
+
+def solid_parts(pieces, contours, handles):
+    """The blocks of the solid as :class:`Parts` over regions.
+
+    Events that leave the number of regions alone form a chain where a block
+    has one region below and one above; any other block that holds events is
+    one joint, named after the most persistent of them (the lowest such), so
+    that an event keeps its node whatever noise shares its block.
+    """
+    below, above = block_regions(pieces, contours)
+    block, slab = pieces["block"].to_numpy(), np.empty(len(below), np.int32)
+    slab[block] = pieces["slab"].to_numpy()
+    events = [[] for _ in below]
+    persistence = handles["persistence"].to_pylist()
+    for row in zip(*(handles[name].to_pylist() for name in ("handle", "block", "change"))):
+        events[row[1]].append((row[0], row[2]))
+    joints = []
+    for lower, upper, inside in zip(below, above, events):
+        chain = len(lower) == len(upper) == 1 and all(EVENTS[c][4] == 0 if c else False for _, c in inside)
+        numbers = [handle for handle, _ in inside]
+        joints.append(numbers if chain else most_persistent(numbers, persistence))
+    return Parts(below, above, joints, slab.tolist(), np.bincount(block, pieces["flux"].to_numpy(), len(below)))
+
+
+def most_persistent(numbers, persistence):
+    """Of ascending handle ids the one with the largest persistence, the first such, as a list; [] of none."""
+    return [max(numbers, key=persistence.__getitem__)] if numbers else []
+
+
+def surface_parts(pieces, handles):
+    """The pieces of the surface as :class:`Parts` over contours, one joint a piece, the most persistent."""
+    events, persistence = [[] for _ in range(len(pieces))], handles["persistence"].to_pylist()
+    for handle, piece in zip(handles["handle"].to_pylist(), handles["piece"].to_pylist()):
+        events[piece].append(handle)
+    joints = [most_persistent(inside, persistence) for inside in events]
+    columns = (pieces[name].to_pylist() for name in ("below", "above"))
+    return Parts(*columns, joints, pieces["slab"].to_pylist(), pieces["area"].to_numpy())
+
+
+def linked_parts(level, links):
+    """Parts over items that were linked without the mesh.
+
+    level : (R,) of the items; links : pairs of items of consecutive levels.
+    Whatever is not one item below and one above is a joint, numbered upward.
+    """
+    level, count = np.asarray(level), len(level)
+    low, high = np.array(links, np.int64).reshape(-1, 2).T
+    # every item has two ends: 2 i faces the slab below it, 2 i + 1 the one above
+    part = connected_items(2 * low + 1, 2 * high, 2 * count)
+    slab = np.repeat(level, 2) - 1 + np.arange(2 * count) % 2
+    found, first, part = np.unique(part, return_index=True, return_inverse=True)
+    order = np.lexsort((first, slab[first]))
+    rank = np.argsort(order)
+    below, above = [[] for _ in found], [[] for _ in found]
+    for end in range(2 * count):
+        (below if end % 2 else above)[rank[part[end]]].append(end // 2)
+    joints, number = [], 0
+    for lower, upper in zip(below, above):
+        plain = len(lower) == len(upper) == 1
+        joints.append([] if plain else [number])
+        number += not plain
+    return Parts(below, above, joints, slab[first][order].tolist(), np.full(len(found), np.nan))

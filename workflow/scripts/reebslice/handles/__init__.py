@@ -1,0 +1,1 @@
+"""Morse events and their handle operations."""

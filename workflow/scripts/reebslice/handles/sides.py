@@ -1,0 +1,112 @@
+"""On which side of the surface an event happens: signed areas of links, contours next to a saddle."""
+
+import numpy as np
+from numba import njit
+
+from ..morse.height_mesh import cross_at, next_half_edge
+from ..slicing.exact_contours import exact_tilt, locate_corners, turns_clockwise, walk_crossings
+
+
+def link_areas(mesh, vertices):
+    """Signed horizontal area of the link, scaled to one height, (k,) float64.
+
+    For an extremum this is the area of the contour at an infinitesimal
+    distance from it, up to a positive factor: positive where material is
+    inside that contour.
+    """
+    wanted = np.full(len(mesh.points), -1, np.int32)
+    wanted[vertices] = np.arange(len(vertices), dtype=np.int32)
+    return _link_areas(mesh.points, mesh.faces, wanted, len(vertices))
+
+
+@njit(cache=True)
+def _link_areas(points, faces, wanted, n_wanted):
+    nearest = np.full(n_wanted, np.inf)
+    for f in range(faces.shape[0]):
+        for k in range(3):
+            w = wanted[faces[f, k]]
+            if w >= 0:
+                rise = abs(points[faces[f, (k + 1) % 3], 2] - points[faces[f, k], 2])
+                if rise > 0.0:
+                    nearest[w] = min(nearest[w], rise)
+    areas = np.zeros(n_wanted)
+    for f in range(faces.shape[0]):
+        for k in range(3):
+            w = wanted[faces[f, k]]
+            if w < 0:
+                continue
+            v, a, b = faces[f, k], faces[f, (k + 1) % 3], faces[f, (k + 2) % 3]
+            # A neighbour at the vertex's own height is a tie: the infinitesimal
+            # tilt leaves its direction as far away as any other can be.
+            ra, rb = abs(points[a, 2] - points[v, 2]), abs(points[b, 2] - points[v, 2])
+            sa = nearest[w] / ra if ra > 0.0 else 1.0e6
+            sb = nearest[w] / rb if rb > 0.0 else 1.0e6
+            ax, ay = sa * (points[a, 0] - points[v, 0]), sa * (points[a, 1] - points[v, 1])
+            bx, by = sb * (points[b, 0] - points[v, 0]), sb * (points[b, 1] - points[v, 1])
+            areas[w] += 0.5 * (ax * by - ay * bx)
+    return areas
+
+
+def saddle_contours(mesh, saddles):
+    """Signed areas of the contours at each simple saddle, two (k, 2) float64 arrays.
+
+    Just below and just above it; where there is one contour, and not two, the
+    second area is NaN. A saddle has two below and one above (union) or one
+    below and two above (separation). An area that rounding could turn around,
+    as contours inside flats have, is a tiny one of the right sign.
+    """
+    wanted = np.full(len(mesh.points), -1, np.int32)
+    wanted[saddles] = np.arange(len(saddles), dtype=np.int32)
+    area, length, gate = _saddle_contours(mesh.points, mesh.faces, mesh.twins, wanted, np.asarray(saddles, np.int32))
+    rounding = 64 * np.finfo(float).eps * np.abs(mesh.points).max()
+    doubtful = np.argwhere(np.abs(area) <= rounding * (length + rounding)).tolist()
+    tilt = exact_tilt(mesh.points) if doubtful else None
+    for side, s, k in doubtful:
+        cut = int(saddles[s]) + side
+        low, high = walk_crossings(mesh.faces, mesh.twins, gate[side, s, k], cut)
+        corners = locate_corners(mesh.points, low.tolist(), high.tolist(), cut, tilt)
+        area[side, s, k] = np.finfo(float).tiny * (-1 if turns_clockwise(corners) else 1)
+    return area[0], area[1]
+
+
+@njit(cache=True)
+def _saddle_contours(points, faces, twins, wanted, saddles):
+    # one mesh edge of each of the two lower and of the two upper link wedges
+    gate = np.full((2, len(saddles), 2), -1, np.int64)
+    for h in range(3 * faces.shape[0]):
+        tail, head, third = faces[h // 3, h % 3], faces[h // 3, (h % 3 + 1) % 3], faces[h // 3, (h % 3 + 2) % 3]
+        if wanted[tail] >= 0 and third < tail < head:
+            gate[1, wanted[tail], 1 if gate[1, wanted[tail], 0] >= 0 else 0] = h
+        if wanted[head] >= 0 and tail < head < third:
+            gate[0, wanted[head], 1 if gate[0, wanted[head], 0] >= 0 else 0] = h
+    area, length = np.full((2, len(saddles), 2), np.nan), np.zeros((2, len(saddles), 2))
+    for s in range(len(saddles)):
+        for side in range(2):
+            first, second = gate[side, s]
+            cut = saddles[s] + side
+            area[side, s, 0], length[side, s, 0], met = _walk_from(points, faces, twins, first, second, saddles[s], cut)
+            if not met:
+                area[side, s, 1], length[side, s, 1], met = _walk_from(
+                    points, faces, twins, second, first, saddles[s], cut
+                )
+    return area, length, gate
+
+
+@njit(cache=True)
+def _walk_from(points, faces, twins, start, other, saddle, cut):
+    """Signed area and length of the contour through half-edge `start`; whether it meets `other`.
+
+    The level is the saddle's: ranks from `cut` on are above it.
+    """
+    x0, y0, z0 = points[saddle]
+    area, length, met, px, py, h = 0.0, 0.0, False, 0.0, 0.0, start
+    while True:
+        low, high = faces[h // 3, h % 3], faces[h // 3, (h % 3 + 1) % 3]
+        x, y = cross_at(points[low], points[high], z0, x0, y0)
+        area += 0.5 * (px * (y - y0) - py * (x - x0))
+        length += np.hypot(x - x0 - px, y - y0 - py)  # from the saddle, so never too short
+        px, py = x - x0, y - y0
+        h = next_half_edge(faces, twins, h, cut)
+        met |= h == other
+        if h == start:
+            return area, length, met

@@ -1,0 +1,1 @@
+"""Links between levels from shapes alone: similarity and proximity."""

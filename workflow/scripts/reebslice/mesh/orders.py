@@ -1,0 +1,178 @@
+"""Canonical orders of vertices by height, of faces and of their corners."""
+
+import numpy as np
+from numba import njit
+
+
+def height_order(points):
+    """Surface vertices (n,) in ascending order of (z, x, y, id)."""
+    z = np.ascontiguousarray(points[:, 2])
+    order = np.argsort(z)
+    tied = _order_few(order, np.ascontiguousarray(points))
+    if len(tied):  # flats
+        chosen = np.sort(order[tied])
+        order[tied] = chosen[np.lexsort((points[chosen, 1], points[chosen, 0], z[chosen]))]
+    return order.astype(np.int32)
+
+
+@njit(cache=True)
+def _order_few(order, points):
+    """Put vertices in order where few tie in height, by insertion; returns the places in `order` where many do."""
+    many, count, start = np.empty(len(order), np.int64), 0, 0
+    for end in range(1, len(order) + 1):
+        if end < len(order) and points[order[end], 2] == points[order[start], 2]:
+            continue
+        if end - start > 16:
+            many[count : count + end - start] = np.arange(start, end)
+            count += end - start
+        else:
+            for place in range(start + 1, end):
+                v = order[place]
+                while place > start and _vertex_comes_after(points, order[place - 1], v):
+                    order[place] = order[place - 1]
+                    place -= 1
+                order[place] = v
+        start = end
+    return many[:count].copy()
+
+
+@njit(cache=True, inline="always")
+def _vertex_comes_after(points, v, w):
+    """Whether v comes after w, of the same height."""
+    if points[v, 0] != points[w, 0]:
+        return points[v, 0] > points[w, 0]
+    return points[v, 1] > points[w, 1] or (points[v, 1] == points[w, 1] and v > w)
+
+
+def canonical_faces(faces, rank):
+    """Faces (m, 3) in terms of ranks, the smallest first, in lexicographic order: (m, 3) int32.
+
+    rank : (n,) int32 of every vertex. No two faces may share a corner and
+    the one after it, as none of an oriented edge-manifold do.
+    """
+    return _sort_faces(np.ascontiguousarray(faces, dtype=np.int32), np.ascontiguousarray(rank, dtype=np.int32))
+
+
+@njit(cache=True)
+def _sort_faces(faces, rank):
+    turned = np.empty(faces.shape, np.int32)
+    for f in range(len(faces)):
+        a, b, c = rank[faces[f, 0]], rank[faces[f, 1]], rank[faces[f, 2]]
+        if b < a and b < c:
+            a, b, c = b, c, a
+        elif c < a and c < b:
+            a, b, c = c, a, b
+        turned[f, 0], turned[f, 1], turned[f, 2] = a, b, c
+    return sort_faces(turned, len(rank))
+
+
+@njit(cache=True)
+def sort_faces(faces, n):
+    """Faces (m, 3) int32 of n vertices in lexicographic order, no two with the same first and second corner.
+
+    A counting sort by the first corner, then a sort of the few faces that share it.
+    """
+    start, out = np.zeros(n + 1, np.int32), np.empty(faces.shape, np.int32)
+    for f in range(len(faces)):
+        start[faces[f, 0] + 1] += 1
+    for v in range(n):
+        start[v + 1] += start[v]
+    for f in range(len(faces)):
+        place = start[faces[f, 0]]
+        start[faces[f, 0]] += 1
+        out[place, 0], out[place, 1], out[place, 2] = faces[f, 0], faces[f, 1], faces[f, 2]
+    first = 0
+    for v in range(n):
+        _sort_fan(out, first, start[v])
+        first = start[v]
+    return out
+
+
+@njit(cache=True)
+def _sort_fan(faces, first, end):
+    """Shell's sort of the faces from `first` up to `end` by their second corner: far from quadratic in a large fan."""
+    gap = end - first
+    while gap > 1:
+        gap = max(gap * 5 // 11, 1)
+        for f in range(first + gap, end):
+            b, c, place = faces[f, 1], faces[f, 2], f
+            while place >= first + gap and faces[place - gap, 1] > b:
+                faces[place, 1], faces[place, 2] = faces[place - gap, 1], faces[place - gap, 2]
+                place -= gap
+            faces[place, 1], faces[place, 2] = b, c
+
+
+def order_corners(faces, n_vertices):
+    """Return (m, 3) corners that put faces and their corners in canonical order.
+
+    `faces.ravel()[corners]` are the same faces, each beginning at its smallest
+    id, in lexicographic order of the *unordered* triples: turning faces over
+    does not change their order, and faces with the same corners are neighbours;
+    of those, the ones that run 0, 1, 2 come before the ones that run 0, 2, 1.
+    """
+    first, *keys = _sort_corners(np.ascontiguousarray(faces, np.int32))
+    return _turn_corners(_order_triples(*keys, n_vertices), first)
+
+
+@njit(cache=True)
+def _sort_corners(faces):
+    """Of each face the corner of its smallest id; its ids, ascending, the last doubled, plus 1 if it runs 0, 2, 1."""
+    m = len(faces)
+    first, low, middle, high = np.empty(m, np.int8), np.empty(m, np.int32), np.empty(m, np.int32), np.empty(m, np.int32)
+    for f in range(m):
+        k = 1 if faces[f, 1] < faces[f, 0] else 0
+        k = 2 if faces[f, 2] < faces[f, k] else k
+        second, third = faces[f, (k + 1) % 3], faces[f, (k + 2) % 3]
+        first[f], low[f], middle[f] = k, faces[f, k], min(second, third)
+        high[f] = 2 * max(second, third) + (second > third)
+    return first, low, middle, high
+
+
+@njit(cache=True)
+def _order_triples(a, b, c, bound):
+    """Argsort, stable and lexicographic, of triples: by counting on `a`, below `bound`, then of the few with it."""
+    start, order = np.zeros(bound + 1, np.int32), np.empty(len(a), np.int32)
+    for number in a:
+        start[number + 1] += 1
+    for number in range(bound):
+        start[number + 1] += start[number]
+    for i in range(len(a)):
+        order[start[a[i]]] = i
+        start[a[i]] += 1
+    begin = 0
+    for number in range(bound):
+        _sort_few(order, begin, start[number], b, c)
+        begin = start[number]
+    return order
+
+
+@njit(cache=True)
+def _sort_few(order, begin, end, b, c):
+    """Shell's sort of order[begin:end] by (b, c, itself): far from quadratic where they are many."""
+    gap = end - begin
+    while gap > 1:
+        gap = max(gap * 5 // 11, 1)
+        for place in range(begin + gap, end):
+            i = order[place]
+            while place >= begin + gap and _corner_comes_after(order[place - gap], i, b, c):
+                order[place] = order[place - gap]
+                place -= gap
+            order[place] = i
+
+
+@njit(cache=True, inline="always")
+def _corner_comes_after(i, j, b, c):
+    if b[i] != b[j]:
+        return b[i] > b[j]
+    return c[i] > c[j] or (c[i] == c[j] and i > j)
+
+
+@njit(cache=True)
+def _turn_corners(rows, first):
+    """The corners (m, 3) int32 of the faces `rows`, beginning at their corners `first`."""
+    corners = np.empty((len(rows), 3), np.int32)
+    for i in range(len(rows)):
+        k = np.int64(first[rows[i]])
+        for step in range(3):
+            corners[i, step] = 3 * rows[i] + (k + step) % 3
+    return corners

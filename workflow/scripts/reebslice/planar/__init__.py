@@ -1,0 +1,1 @@
+"""Closed curves and regions of the plane."""

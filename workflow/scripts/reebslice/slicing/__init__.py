@@ -1,0 +1,1 @@
+"""Level sets: contours, regions, pieces and blocks."""

@@ -1,0 +1,168 @@
+"""The tables of a sliced surface: levels, contours, pieces."""
+
+import numpy as np
+import pyarrow as pa
+
+from ..arrays.grouping import share_out
+from ..formats.wkb import pack_curves, unpack_curves
+from ..planar.curves import pick_curves
+from ..planar.outlines import Outlines, mend_outlines
+from ..schemas import build_table
+
+POINTS_AT_ONCE = 1 << 18  # of contours packed together: 4 MB of them, which stay in a cache
+
+
+def levels_table(slices, refined):
+    """One row per level. refined : (K,) bool, False for equispaced levels."""
+    levels, count = slices.levels, len(slices.levels.height)
+    return build_table(
+        "levels",
+        {
+            "level": np.arange(count),
+            "height": levels.height,
+            "vertices_below": levels.below,
+            "tie_x": _or_null(levels.tie_x),
+            "tie_y": _or_null(levels.tie_y),
+            "n_contours": np.bincount(slices.contours.level, minlength=count),
+            "n_regions": np.bincount(slices.regions.level, minlength=count),
+            "why": np.where(refined, "refined", "uniform").tolist(),
+        },
+    )
+
+
+def contours_table(mesh, slices, shell_of_vertex):
+    """One row per contour, its curve as a WKB closed line string.
+
+    shell_of_vertex : (n,) of the mesh's ranks.
+    """
+    return pa.concat_tables(contours_blocks(mesh, slices, shell_of_vertex))
+
+
+def contours_blocks(mesh, slices, shell_of_vertex):
+    """The same, one block of rows after the other, so that the curves of one block are packed at a time."""
+    for first, end in share_out(slices.contours.start, POINTS_AT_ONCE):
+        yield _contour_rows(mesh, slices, shell_of_vertex, slice(first, end))
+
+
+def _contour_rows(mesh, slices, shell_of_vertex, rows):
+    contours, regions = slices.contours, slices.regions
+    level, lower, start = contours.level[rows], contours.lower[rows], contours.start[rows.start : rows.stop + 1]
+    return build_table(
+        "contours",
+        {
+            "level": level,
+            "contour": np.arange(rows.start, rows.stop),
+            "height": slices.levels.height[level],
+            "shell": shell_of_vertex[lower],
+            "region": regions.of_contour[rows],
+            "inner": regions.inner[rows],
+            "parent": [None if p < 0 else p for p in regions.parent[rows].tolist()],
+            "signed_area": regions.area[rows],
+            "perimeter": regions.perimeter[rows],
+            "n_points": np.diff(start),
+            "lower_vertex": mesh.vertex[lower],
+            "upper_vertex": mesh.vertex[contours.upper[rows]],
+            "geometry": pack_curves(contours.points[start[0] : start[-1]], start - start[0]),
+        },
+    )
+
+
+def pieces_table(mesh, slices, shell_of_vertex):
+    """One row per piece. shell_of_vertex : (n,) of the mesh's ranks."""
+    pieces, count = slices.pieces, len(slices.pieces.slab)
+    shell = np.empty(count, np.int32)
+    shell[pieces.above] = shell[pieces.below] = shell_of_vertex[slices.contours.lower]
+    shell[pieces.of_vertex] = shell_of_vertex
+    return build_table(
+        "pieces",
+        {
+            "slab": pieces.slab,
+            "piece": np.arange(count),
+            "shell": shell,
+            "block": slices.block_of_piece,
+            "n_below": pieces.n_below,
+            "n_above": pieces.n_above,
+            "below": _lists(pieces.above, count),
+            "above": _lists(pieces.below, count),
+            "euler_characteristic": pieces.euler_characteristic,
+            "genus": pieces.genus,
+            "kind": pieces.kinds(),
+            "area": pieces.area,
+            "flux": pieces.flux,
+            "critical": [mesh.vertex[critical].tolist() for critical in pieces.critical],
+            "critical_ranks": [critical.tolist() for critical in pieces.critical],
+        },
+    )
+
+
+def _lists(group, count):
+    """The members of every group: `count` lists of the positions in `group`."""
+    order = np.argsort(group, kind="stable")
+    members, cuts = order.tolist(), np.cumsum(np.bincount(group, minlength=count)).tolist()
+    return [members[a:b] for a, b in zip([0, *cuts], cuts)]
+
+
+def _or_null(values):
+    return [None if np.isnan(value) else value for value in values.tolist()]
+
+
+def block_regions(pieces, contours):
+    """Regions below and above every block: two lists of ascending id lists."""
+    region, block = contours["region"].to_numpy(), pieces["block"].to_numpy().astype(np.int64)
+    count = max(count_regions(contours), 1)
+    ends = []
+    for side in ("below", "above"):
+        bounding = pieces[side].combine_chunks()
+        owner = np.repeat(block, np.diff(bounding.offsets.to_numpy()))
+        pairs = np.unique(owner * count + region[bounding.flatten().to_numpy()])
+        members, cuts = (pairs % count).tolist(), np.searchsorted(pairs, count * np.arange(block.max() + 2)).tolist()
+        ends.append([members[a:b] for a, b in zip(cuts[:-1], cuts[1:])])
+    return ends
+
+
+def count_regions(contours):
+    """The number of regions; none where all levels pass between the parts of a model."""
+    return int(contours["region"].to_numpy().max(initial=-1)) + 1
+
+
+def region_levels(contours):
+    """The level of every region, (R,) int32."""
+    region = contours["region"].to_numpy()
+    level = np.empty(count_regions(contours), np.int32)
+    level[region] = contours["level"].to_numpy()
+    return level
+
+
+def contour_curves(contours, geometry):
+    """The contours as closed :class:`curves.Curves`, tilted frame.
+
+    geometry : that column of the table, an iterable of Arrow arrays, of which one is held at a time.
+    """
+    return unpack_curves(geometry, int(contours["n_points"].to_numpy().sum()) + contours.num_rows)
+
+
+def region_outlines(contours, curves):
+    """The valid :class:`outlines.Outlines` of the regions, (R,), tilted frame.
+
+    Contours too small to span a triangle in floating point are left out; a
+    region whose outer contour is one of them has no outline.
+    """
+    region, inner = contours["region"].to_numpy(), contours["inner"].to_numpy(zero_copy_only=False)
+    usable, count = _spans_triangle(contours, curves), count_regions(contours)
+    has_outer = np.zeros(count, bool)
+    has_outer[region[usable & ~inner]] = True
+    order = np.flatnonzero(usable & has_outer[region])
+    order = order[np.lexsort((inner[order], region[order]))]  # the outer contour first
+    start = np.concatenate([[0], np.cumsum(np.bincount(region[order], minlength=count))])
+    return mend_outlines(Outlines(*pick_curves(curves, order), start, inner[order]))
+
+
+def contour_outlines(contours, curves):
+    """The same of what every contour encloses, (C,), hole or not."""
+    usable = _spans_triangle(contours, curves)
+    rings = pick_curves(curves, np.flatnonzero(usable))
+    return mend_outlines(Outlines(*rings, np.concatenate([[0], np.cumsum(usable)]), np.zeros(usable.sum(), bool)))
+
+
+def _spans_triangle(contours, curves):
+    return (np.diff(curves.start) >= 4) & (contours["signed_area"].to_numpy() != 0)
