@@ -19,6 +19,8 @@ import numpy as np
 import pandas as pd
 import yaml
 
+from reebslice.errors import MeshFormatError
+
 ROOT = Path(__file__).parents[1]
 sys.path.insert(0, str(ROOT / "workflow" / "scripts"))
 
@@ -27,10 +29,7 @@ from corpus.code_digest import compiled_code_folder
 os.environ.setdefault("NUMBA_CACHE_DIR", str(compiled_code_folder(ROOT / "workflow" / "scripts" / "reebslice")))
 
 from corpus.discovery import find_models
-from reebslice.formats.meshes import (
-    UnreadableMesh,
-    read_mesh,
-)
+from reebslice.formats.meshes import read_mesh
 from reebslice.mesh.half_edges import find_twins
 from reebslice.mesh.inspection import inspect_surface
 from reebslice.morse.height_mesh import order_by_height
@@ -85,7 +84,7 @@ def compare_folder(folder, config):
     for model, file in models.items():
         try:
             tables, _ = inspect_surface(*read_mesh(file.path), config["inspect"])
-        except UnreadableMesh:
+        except MeshFormatError:
             continue
         if tables is None:
             continue

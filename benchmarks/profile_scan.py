@@ -22,7 +22,7 @@ from statistics import median
 import numpy as np
 
 from bumpy_meshes import bumpy_torus, level_heights
-from corpus.process import lighten
+from corpus.process import trim_startup
 from make_corpus import write_stl
 from model_runs import stage_options
 
@@ -71,7 +71,7 @@ def measure(task, folder, levels):
     if work is None:  # all that a job does to its process beforehand
         work = run_stage
         importlib.import_module(task)
-        lighten()
+        trim_startup()
     for name in ("small", "large"):
         start = time.process_time()
         work(task, Path(folder), name, int(levels))

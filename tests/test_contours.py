@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 
 import solids
 from corpus.storage import read_blocks, read_table, write_blocks
-from reebslice.arrays.grouping import share_out
+from reebslice.arrays.grouping import split_into_blocks
 from reebslice.mesh.half_edges import find_twins
 from reebslice.mesh.orders import canonical_faces
 from reebslice.morse.height_mesh import order_by_height
@@ -139,9 +139,9 @@ def test_no_levels_give_no_contours():
 
 
 def test_share_out_fills_blocks():
-    blocks = list(share_out(np.cumsum([0, 3, 3, 9, 1, 1, 0, 5]), 7))
+    blocks = list(split_into_blocks(np.cumsum([0, 3, 3, 9, 1, 1, 0, 5]), 7))
     assert blocks == [(0, 2), (2, 3), (3, 7)]
-    assert list(share_out(np.array([0]), 7)) == [(0, 0)]
+    assert list(split_into_blocks(np.array([0]), 7)) == [(0, 0)]
 
 
 def age(vertex, upward):

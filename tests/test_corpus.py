@@ -396,8 +396,8 @@ def test_a_light_process_makes_tables_without_pandas_and_can_still_load_it():
     script = """
 import sys
 import numpy as np, pyarrow as pa
-from surroundings import lighten
-lighten()
+from surroundings import trim_startup
+trim_startup()
 table = pa.table({"a": pa.array(np.arange(3)), "b": pa.array(["x", None, "z"])})
 assert table["a"].to_numpy().tolist() == [0, 1, 2] and table.to_pylist()[1] == {"a": 1, "b": None}
 assert "pandas" not in sys.modules

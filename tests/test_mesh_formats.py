@@ -6,8 +6,9 @@ import numpy as np
 import pytest
 import trimesh
 
-from reebslice.formats.meshes import SUFFIXES, UnreadableMesh, read_mesh
-from reebslice.formats.number_lines import Misread, read_numbers
+from reebslice.errors import MeshFormatError, NumberFormatError
+from reebslice.formats.meshes import SUFFIXES, read_mesh
+from reebslice.formats.number_lines import read_numbers
 from reebslice.formats.polygons import cut_strips, fan_polygons, parse_obj
 from reebslice.mesh.inspection import inspect_surface
 
@@ -188,7 +189,7 @@ def test_step_cylinder_is_closed_and_in_millimetres(tmp_path):
 )
 def test_what_is_no_mesh_is_told(tmp_path, name, data, words):
     (tmp_path / name).write_bytes(data)
-    with pytest.raises(UnreadableMesh, match=words) as told:
+    with pytest.raises(MeshFormatError, match=words) as told:
         read_mesh(tmp_path / name)
     assert "\n" not in str(told.value) and str(told.value).endswith(".")
 
@@ -264,7 +265,7 @@ def test_numbers_are_read_line_by_line_to_the_last_bit():
     numbers, widths = read_numbers(b"1 2\n\n 3\nno number", 2)
     assert numbers.tolist() == [1, 2, 3] and widths.tolist() == [2, 1]
     assert [len(part) for part in read_numbers(b" \n")] == [len(part) for part in read_numbers(b"")] == [0, 0]
-    with pytest.raises(Misread):
+    with pytest.raises(NumberFormatError):
         read_numbers(b"1 2abc 3")
 
 

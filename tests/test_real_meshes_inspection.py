@@ -5,7 +5,8 @@ from pathlib import Path
 
 import pytest
 
-from reebslice.formats.meshes import UnreadableMesh, read_mesh
+from reebslice.errors import MeshFormatError
+from reebslice.formats.meshes import read_mesh
 from reebslice.mesh.inspection import inspect_surface
 
 CORPUS = Path(__file__).parents[2] / "shared" / "meshes"
@@ -48,7 +49,7 @@ def rows():
 def test_verdict(row):
     try:
         tables, found = inspect_surface(*read_mesh(CORPUS / row["file"]))
-    except UnreadableMesh as error:
+    except MeshFormatError as error:
         assert REJECTED.get(row["file"], "(should be readable)") in str(error)
         return
     if row["file"] in REJECTED:

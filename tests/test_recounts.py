@@ -10,10 +10,10 @@ import trimesh
 from reebslice.certification.recount.components import find_components
 from reebslice.certification.recount.curves import measure_curves, pass_spots, read_curves
 from reebslice.certification.recount.elders import elder_pairs, essential_points
-from reebslice.certification.recount.holes import Nest
+from reebslice.certification.recount.holes import ContourNesting
 from reebslice.certification.recount.measures import label_vertices, largest_terms, measure_shells
 from reebslice.certification.recount.regions import build_polygons, find_regions, look_around, share
-from reebslice.certification.recount.surface import count_links, find_sides, rank_surface
+from reebslice.certification.recount.surface import count_links, find_mesh_edges, rank_surface
 from solids import blob, hollow_ball, plate, torus
 
 
@@ -43,7 +43,7 @@ def ranked(solid, faces=None):
 @pytest.mark.parametrize("solid", [torus(), plate(2), hollow_ball(), blob(1)])
 def test_mesh_edges_lie_between_two_faces(solid):
     surface = ranked(solid)
-    sides = find_sides(surface)
+    sides = find_mesh_edges(surface)
     owners = {}
     for face, (a, b, c) in enumerate(surface.corners.tolist()):
         for place, pair in enumerate(((a, b), (b, c), (a, c))):
@@ -64,7 +64,7 @@ def test_what_is_no_closed_oriented_surface_has_no_sides():
         np.concatenate([faces, faces]),
         np.concatenate([faces, [[0, 0, 1], [0, 1, 0]]]),
     ):
-        assert find_sides(ranked(torus(), wrong)) is None
+        assert find_mesh_edges(ranked(torus(), wrong)) is None
 
 
 def test_links_are_counted_at_each_vertex():
@@ -74,7 +74,7 @@ def test_links_are_counted_at_each_vertex():
     second = np.where(second == 0, 0, second + 7)  # shares vertex 0 alone; vertex 15 is in no face
     solid = type(torus())(points, np.concatenate([one.faces, second]))
     surface = ranked(solid)
-    sides = find_sides(surface)
+    sides = find_mesh_edges(surface)
     links = np.empty(16, np.int64)
     links[surface.origin] = count_links(surface.corners, sides.of_face, sides.faces, 16)
     assert links.tolist() == [2] + [1] * 14 + [0]
@@ -99,7 +99,7 @@ def test_elder_pairs_join_the_younger_to_the_older(seed):
 @pytest.mark.parametrize("solid", [torus(), plate(2), hollow_ball(), blob(1)])
 def test_essential_points_are_those_that_all_mesh_edges_tell(solid):
     surface = ranked(solid)
-    sides, n = find_sides(surface), len(solid.points)
+    sides, n = find_mesh_edges(surface), len(solid.points)
     upward = elder_pairs(sides.lower, sides.upper, n, 0)
     downward = n - 1 - elder_pairs(n - 1 - sides.upper, n - 1 - sides.lower, n, 0)
     count, pairs = essential_points(surface, sides)
@@ -258,7 +258,7 @@ def test_contours_around_a_contour(seed):
     curves, level = np.array([*rings(seed, 40)]), np.arange(40) % 3
     read, _ = read_curves([pa.array(shapely.to_wkb(curves))])
     area, *_, boxes = measure_curves(*read)
-    nest = Nest(read, boxes, area, np.full(40, 1e-12), level, 1e-9, None)
+    nest = ContourNesting(read, boxes, area, np.full(40, 1e-12), level, 1e-9, None)
     polygons = np.array([shapely.Polygon(curve.coords) for curve in curves])
     for one in range(40):
         larger = np.flatnonzero((level == level[one]) & (np.abs(area) >= abs(area[one]) - 2e-12)).tolist()

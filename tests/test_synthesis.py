@@ -14,7 +14,7 @@ from reebslice.formats.graphml import Graph, graphml_text
 from reebslice.formats.wkb import pack_curves, unpack_curves
 from reebslice.graphs.arcs import trace_arcs
 from reebslice.graphs.nodes import inscribed_points, steady_points
-from reebslice.graphs.parts import Parts, linked_parts
+from reebslice.graphs.parts import GraphParts, linked_parts
 from reebslice.links.similarity import boolean_similarity, link_by_proximity, link_by_similarity
 from reebslice.planar.circles import clearances, largest_circles
 from reebslice.planar.curves import curve_centres
@@ -227,14 +227,14 @@ def test_linked_parts_of_a_fork():
 
 
 def test_arcs_share_out_what_their_ends_hold():
-    parts = Parts([[], [0], [1, 2]], [[0], [1, 2], []], [[0], [1], [2]], [-1, 0, 1], np.array([1.0, 6.0, 4.0]))
+    parts = GraphParts([[], [0], [1, 2]], [[0], [1, 2], []], [[0], [1], [2]], [-1, 0, 1], np.array([1.0, 6.0, 4.0]))
     arcs = trace_arcs(parts)
     assert [(arc["source"], arc["target"], arc["nodes"]) for arc in arcs] == [(0, 1, [0]), (1, 2, [1]), (1, 2, [2])]
     assert [arc["measure"] for arc in arcs] == [1 + 2, 2 + 2, 2 + 2]
 
 
 def test_a_chain_of_events_is_a_chain_of_nodes():
-    arcs = trace_arcs(Parts([[], [0], [1]], [[0], [1], []], [[0], [1, 2], [3]], [-1, 0, 1], np.ones(3)))
+    arcs = trace_arcs(GraphParts([[], [0], [1]], [[0], [1], []], [[0], [1, 2], [3]], [-1, 0, 1], np.ones(3)))
     assert [(arc["source"], arc["target"], arc["nodes"]) for arc in arcs] == [(0, 1, [0]), (1, 2, []), (2, 3, [1])]
     assert sum(arc["measure"] for arc in arcs) == pytest.approx(3)
 

@@ -10,6 +10,7 @@ from scipy import ndimage
 from certify import main as certify
 from corpus.storage import read_json
 from pipeline import OPTIONS, missing_stages, run_stages
+from reebslice.errors import TouchingSheetsError, UnionError
 from reebslice.mesh import closing, half_edges, touching, unions
 from reebslice.mesh.inspection import inspect_surface
 from solids import Solid, carve, hollow_ball, icosphere, linked_rings, move, permute, rotation, torus, transform, unite
@@ -343,7 +344,7 @@ def test_faces_without_area_have_no_direction():
     order, starts = half_edges.group_half_edges(faces, 6)
     crowded = np.flatnonzero(np.diff(starts) == 4)
     edge = order[starts[crowded[0]] : starts[crowded[0] + 1]]
-    with pytest.raises(touching.Entangled, match="without area"):
+    with pytest.raises(TouchingSheetsError, match="without area"):
         touching.pair_around(points, faces, edge, np.array([0, 4]), 0.0)
 
 
@@ -402,7 +403,7 @@ def test_bodies_that_cross_themselves_are_not_united():
 
 
 def test_a_refusal_of_the_library_is_told():
-    with pytest.raises(unions.Refused, match="status NotManifold"):
+    with pytest.raises(UnionError, match="status NotManifold"):
         unions._check(manifold3d.Manifold(manifold3d.Mesh64(np.eye(3), np.array([[0, 1, 2]], np.uint64))))
     with pytest.raises(ValueError, match="inspect.overlaps: 'merge' unknown"):
         inspected(box(), overlaps="merge")

@@ -6,10 +6,10 @@ of every stage.
 """
 
 from corpus.model_table import make_model_table
-from corpus.process import lighten, print_into
+from corpus.process import print_into, trim_startup
 from corpus.storage import write_parquet
 
 if "snakemake" in globals():
     print_into(snakemake.log[0])  # noqa: F821
-    lighten()
+    trim_startup()
     write_parquet(snakemake.output.table, make_model_table(snakemake.input))  # noqa: F821

@@ -8,7 +8,8 @@ from pathlib import Path
 
 from corpus.stages import Rejected, run_batch
 from corpus.storage import write_json, write_table
-from reebslice.formats.meshes import UnreadableMesh, read_mesh
+from reebslice.errors import MeshFormatError
+from reebslice.formats.meshes import read_mesh
 from reebslice.mesh.inspection import blank_record, inspect_surface
 
 OUTPUTS = ("inspection.json", "vertices.parquet", "faces.parquet", "shells.parquet")
@@ -19,7 +20,7 @@ def main(source, target, options):
     target = Path(target)
     try:
         points, faces = read_mesh(source)
-    except UnreadableMesh as error:
+    except MeshFormatError as error:
         tables, inspection = None, blank_record(str(error))
     else:
         tables, inspection = inspect_surface(points, faces, options)

@@ -5,7 +5,7 @@ import numpy as np
 from corpus.stages import Rejected, run_batch
 from corpus.storage import write_blocks, write_table
 from corpus.surfaces import read_height_mesh, vertex_bodies
-from reebslice.slicing.contours import TooManyCrossings
+from reebslice.errors import TooManyCrossingsError
 from reebslice.slicing.refinement import feature_scale, slice_surface
 from reebslice.slicing.tables import contours_blocks, levels_table, pieces_table
 
@@ -19,7 +19,7 @@ def main(source, target, options):
     distance, feature_size = feature_scale(np.ptp(mesh.points[:, 2]), **options)
     try:
         slices, refined = slice_surface(mesh, body, distance, options["refine"], feature_size)
-    except TooManyCrossings as fault:
+    except TooManyCrossingsError as fault:
         raise Rejected(
             f"{fault}, more than can be held. Take a larger distance between levels, or, if the mesh is noisy, "
             "levels: {refine: feature}, which does not tell all of the noise apart."

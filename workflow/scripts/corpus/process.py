@@ -19,7 +19,7 @@ def print_into(log):
     os.close(file)
 
 
-def lighten():
+def trim_startup():
     """Spare this process two costs of what it has loaded.
 
     pyarrow would load pandas, a quarter of a second, when it first makes an

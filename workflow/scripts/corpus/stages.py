@@ -20,7 +20,7 @@ from pathlib import Path
 import pyarrow as pa
 
 from .layout import MODELS_FOLDER, STAGES, STATUS_SCHEMA, read_status
-from .process import lighten, peak_memory_mb, print_into, reset_peak_memory
+from .process import peak_memory_mb, print_into, reset_peak_memory, trim_startup
 from .receipts import digest_file, make_key, move_in, receipt_name, valid_receipt, withdraw
 from .storage import content_key, write_json, write_parquet
 
@@ -43,7 +43,7 @@ def run_batch(snakemake, main, outputs):
     """
     stage, parameters = snakemake.rule, snakemake.params
     print_into(snakemake.log[0])
-    lighten()
+    trim_startup()
     if "status" in snakemake.input.keys():
         rows = read_status(snakemake.input.status)
     else:

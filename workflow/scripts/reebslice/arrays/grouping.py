@@ -3,7 +3,7 @@
 import numpy as np
 
 
-def share_out(total, most):
+def split_into_blocks(total, most):
     """Consecutive items, (first, end) of each block, that come to at most `most` together, or are one.
 
     total : (N + 1,) ascending, what the first so many items come to. At least one block.

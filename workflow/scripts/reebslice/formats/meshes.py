@@ -12,9 +12,10 @@ from pathlib import Path
 
 import numpy as np
 
+from ..errors import MeshFormatError, NumberFormatError
 from ..mesh.faults import find_fault
-from .number_lines import Misread, read_numbers
-from .polygons import UnreadableMesh, parse_obj, read_strips, read_triangles, take_polygons
+from .number_lines import read_numbers
+from .polygons import parse_obj, read_strips, read_triangles, take_polygons
 
 SUFFIXES = (".stl", ".obj", ".ply", ".off", ".glb", ".gltf", ".3mf", ".step", ".stp")
 
@@ -28,32 +29,32 @@ def read_mesh(path):
 
     Raises
     ------
-    UnreadableMesh
+    MeshFormatError
         The ending is none of `SUFFIXES` (in any case), or the file is empty,
         damaged, or holds no faces.
     """
     path = Path(path)
     reader = READERS.get(path.suffix.lower())
     if reader is None:
-        raise UnreadableMesh(
+        raise MeshFormatError(
             f"Files ending in {path.suffix or 'nothing'} are not supported; convert the mesh to"
             f" one of {', '.join(SUFFIXES)}."
         )
     if path.stat().st_size == 0:
-        raise UnreadableMesh("The file is empty (0 bytes); export the mesh again.")
+        raise MeshFormatError("The file is empty (0 bytes); export the mesh again.")
     try:
         points, faces = reader(path)
-    except UnreadableMesh:
+    except MeshFormatError:
         raise
     except Exception as error:  # a reader may stumble over damage in any way it likes
         told = f"{type(error).__name__}: {error}".splitlines()[0]
-        raise UnreadableMesh(
+        raise MeshFormatError(
             f"The file is damaged or not really {path.suffix.lower()} ({told}); export the mesh again."
         ) from error
     points = np.asarray(points, np.float64).reshape(-1, 3)
     faces = np.asarray(faces).reshape(-1, 3)
     if fault := find_fault(points, faces):
-        raise UnreadableMesh(fault)
+        raise MeshFormatError(fault)
     return points, faces.astype(np.int32, copy=False)
 
 
@@ -73,9 +74,9 @@ def read_stl(path):
     if size != needed and textual:
         return parse_ascii_stl(path.read_bytes())
     if count < 0 or (count == 0 and size == 84):
-        raise UnreadableMesh("The STL file holds no faces, only a header; export the mesh again.")
+        raise MeshFormatError("The STL file holds no faces, only a header; export the mesh again.")
     if size < needed or count == 0:
-        raise UnreadableMesh(
+        raise MeshFormatError(
             f"The binary STL file declares {count} faces, which take {needed} bytes, but has"
             f" {size} bytes; it is damaged, export the mesh again."
         )
@@ -91,19 +92,19 @@ def parse_ascii_stl(data):
     rows = re.findall(rb"^[ \t]*vertex\b(.*)$", text, re.MULTILINE | re.IGNORECASE)
     facets = len(re.findall(rb"^[ \t]*facet\b", text, re.MULTILINE | re.IGNORECASE))
     if len(rows) != 3 * facets:
-        raise UnreadableMesh(
+        raise MeshFormatError(
             f"The ASCII STL file has {facets} facets but {len(rows)} vertices instead of"
             f" {3 * facets}; it is damaged or cut off, export the mesh again."
         )
     try:
         values, widths = read_numbers(b"\n".join(rows))
         complete = len(widths) == len(rows) and bool((widths == 3).all())
-    except Misread:
+    except NumberFormatError:
         complete = False
     if not complete:
         at = next((i for i, row in enumerate(rows) if not _is_point(row)), 0)
         shown = rows[at].decode("latin-1").strip()[:60]
-        raise UnreadableMesh(
+        raise MeshFormatError(
             f"The ASCII STL file has a vertex that is not three numbers: '{shown}' (vertex"
             f" {at % 3} of facet {at // 3}); mend that line or export the mesh again."
         )
@@ -128,7 +129,7 @@ def read_off(path):
     first, _, rest = text.partition(b"\n")
     header = re.match(r"(ST)?C?N?(4)?(n)?OFF\b(.*)", first.decode("latin-1"))
     if not header or header[2] or header[3] or b"BINARY" in first:
-        raise UnreadableMesh(
+        raise MeshFormatError(
             f"The file begins with '{first.decode('latin-1').strip()[:30]}', not with OFF, COFF, NOFF or STOFF as a"
             " three-dimensional ASCII OFF file does; export the mesh again."
         )
@@ -136,7 +137,7 @@ def read_off(path):
     n_points, n_faces = (int(word) for word in rest.split(maxsplit=2)[:2])
     numbers, widths = read_numbers(rest, 1 + n_points + n_faces)
     if len(widths) < 1 + n_points + n_faces:
-        raise UnreadableMesh(
+        raise MeshFormatError(
             f"The OFF file declares {n_points} vertices and {n_faces} faces but ends after"
             f" {len(widths) - 1} lines; it is cut off, export the mesh again."
         )
@@ -205,7 +206,7 @@ def read_scene(path, **options):
         points.append(corners)
         count += len(corners)
     if not faces:
-        raise UnreadableMesh("The file holds no faces: it is empty or cut off; export the mesh again.")
+        raise MeshFormatError("The file holds no faces: it is empty or cut off; export the mesh again.")
     return np.concatenate(points), np.concatenate(faces)
 
 

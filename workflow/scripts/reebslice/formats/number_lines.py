@@ -3,16 +3,14 @@
 import numpy as np
 from numba import njit
 
-
-class Misread(ValueError):
-    """The text is not what it was taken for; the message says where."""
+from ..errors import NumberFormatError
 
 
 def read_numbers(text, most=np.iinfo(np.int64).max):
     """Read the lines of a text, as bytes, that are not blank, and of those the first `most`.
 
     Returns the numbers (n,) float64, correctly rounded, and how many stand in
-    each line (l,) int64. Raises `Misread` if a word is no number.
+    each line (l,) int64. Raises `NumberFormatError` if a word is no number.
     """
     letters = np.frombuffer(text, np.uint8)
     widths, end = _count_words(letters, most)
@@ -21,21 +19,21 @@ def read_numbers(text, most=np.iinfo(np.int64).max):
     try:
         numbers = np.fromstring(text[:end] if end < len(text) else text, sep=" ")
     except ValueError:
-        raise Misread("there is a word that is not a number") from None
+        raise NumberFormatError("there is a word that is not a number") from None
     if len(numbers) != widths.sum():
-        raise Misread(f"{text.split()[len(numbers)][:30]} is not a number")
+        raise NumberFormatError(f"{text.split()[len(numbers)][:30]} is not a number")
     return numbers, widths
 
 
 def split_obj(data):
     """Pick from OBJ, as bytes, what follows `v` and the numbers of vertices that follow `f`: two texts.
 
-    Raises `Misread` if there is anything else that makes a surface, or a line
+    Raises `NumberFormatError` if there is anything else that makes a surface, or a line
     that goes on in the next one.
     """
     vertices, faces, plain = _split_obj(np.frombuffer(data.replace(b"\r\n", b"\n").replace(b"\r", b"\n"), np.uint8))
     if not plain:
-        raise Misread("the OBJ file has more than vertices and polygons")
+        raise NumberFormatError("the OBJ file has more than vertices and polygons")
     return vertices.tobytes(), faces.tobytes()
 
 

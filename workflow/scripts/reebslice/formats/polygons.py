@@ -4,28 +4,25 @@ import re
 
 import numpy as np
 
-from .number_lines import Misread, read_numbers, split_obj
-
-
-class UnreadableMesh(ValueError):
-    """The file holds no usable mesh; the message says why, and the cure."""
+from ..errors import MeshFormatError, NumberFormatError
+from .number_lines import read_numbers, split_obj
 
 
 def take_polygons(numbers, widths, n_points, n_faces):
     """Points and triangles of lines of numbers: `n_points` positions, then `n_faces` polygons, sizes first."""
     begin = np.cumsum(widths) - widths
     if (widths[:n_points] < 3).any():
-        raise UnreadableMesh("A vertex has fewer than three coordinates; export the mesh again.")
+        raise MeshFormatError("A vertex has fewer than three coordinates; export the mesh again.")
     points = numbers[begin[:n_points, None] + np.arange(3)]
     widths, begin = widths[n_points : n_points + n_faces], begin[n_points : n_points + n_faces]
     sizes = numbers[begin].astype(np.int64)
     if (sizes >= widths).any():
-        raise UnreadableMesh("A face names fewer vertices than it declares; export the mesh again.")
+        raise MeshFormatError("A face names fewer vertices than it declares; export the mesh again.")
     sizes = np.maximum(sizes, 0)
     corner = np.repeat(begin + 1 - np.cumsum(sizes) + sizes, sizes) + np.arange(sizes.sum())
     ids = numbers[corner].astype(np.int64)
     if (ids != numbers[corner]).any():
-        raise UnreadableMesh("A face names a vertex by something that is not a whole number; export the mesh again.")
+        raise MeshFormatError("A face names a vertex by something that is not a whole number; export the mesh again.")
     return points, fan_polygons(ids, sizes)
 
 
@@ -40,7 +37,7 @@ def fan_polygons(corners, sizes):
     """
     sizes = np.asarray(sizes, np.int64)
     if sizes.sum() != len(corners):
-        raise UnreadableMesh("A face names fewer vertices than it declares; export the mesh again.")
+        raise MeshFormatError("A face names fewer vertices than it declares; export the mesh again.")
     start = np.cumsum(sizes) - sizes
     triangles = np.maximum(sizes - 2, 0)
     polygon = np.repeat(np.arange(len(sizes)), triangles)
@@ -63,7 +60,7 @@ def read_triangles(head, body):
     if "format ascii" in head:
         try:
             numbers, widths = read_numbers(body, n_points + n_faces)
-        except Misread:
+        except NumberFormatError:
             return None
         if len(widths) < n_points + n_faces or (widths[:n_points] != len(names)).any():
             return None
@@ -92,7 +89,7 @@ def read_strips(head, body):
     """Read PLY of scalar vertex properties followed by one list of triangle strips."""
     layout = re.search(_PLY_LAYOUT.format("tristrips", r"\w+") + r"(?:element edge 0\b|$)", head)
     if not layout:
-        raise UnreadableMesh(
+        raise MeshFormatError(
             "The PLY file stores triangle strips among other elements, which is not supported;"
             " export the mesh with ordinary faces."
         )
@@ -107,7 +104,7 @@ def read_strips(head, body):
     vertex = np.dtype([(name, order + _PLY_TYPES[kind]) for kind, name in properties])
     table = np.frombuffer(body, vertex, n_points)
     if _PLY_TYPES[layout[4]][1:] != "4" or _PLY_TYPES[layout[5]][1:] != "4":
-        raise UnreadableMesh("Triangle strips of this width are not supported; export ordinary faces.")
+        raise MeshFormatError("Triangle strips of this width are not supported; export ordinary faces.")
     strips = np.frombuffer(body[n_points * vertex.itemsize :], order + "i4").astype(np.int64)
     return np.column_stack([table[name] for name in "xyz"]), cut_strips(strips, n_strips)
 
@@ -142,7 +139,7 @@ def parse_obj(data):
     try:
         vertices, faces = split_obj(data)
         (numbers, widths), (ids, sizes) = read_numbers(vertices), read_numbers(faces)
-    except Misread:
+    except NumberFormatError:
         return None
     if len(widths) != vertices.count(b"\n") or len(sizes) != faces.count(b"\n"):
         return None

@@ -51,7 +51,7 @@ def exact_graphs(points, faces, rotation=None, body_of_vertex=None):
     solid, as the contours of those levels: little if the surface is smooth,
     most of the time if noise makes critical points by the ten thousand.
 
-    Raises ValueError where a mesh edge has no twin, and TooManyCrossings where
+    Raises ValueError where a mesh edge has no twin, and TooManyCrossingsError where
     the solid's would need hundreds of millions of points, as of white noise.
     """
     mesh = unfold_saddles(order_by_height(points, faces, np.eye(3) if rotation is None else rotation))

@@ -14,7 +14,7 @@ from ..schemas import EVENTS
 from ..slicing.tables import block_regions
 
 
-class Parts(NamedTuple):
+class GraphParts(NamedTuple):
     """Parts of a solid or of a surface, in ascending order of slab.
 
     below, above : items of each part, lists of lists
@@ -32,7 +32,7 @@ class Parts(NamedTuple):
 
 
 def solid_parts(pieces, contours, handles):
-    """The blocks of the solid as :class:`Parts` over regions.
+    """The blocks of the solid as :class:`GraphParts` over regions.
 
     Events that leave the number of regions alone form a chain where a block
     has one region below and one above; any other block that holds events is
@@ -51,7 +51,7 @@ def solid_parts(pieces, contours, handles):
         chain = len(lower) == len(upper) == 1 and all(EVENTS[c][4] == 0 if c else False for _, c in inside)
         numbers = [handle for handle, _ in inside]
         joints.append(numbers if chain else most_persistent(numbers, persistence))
-    return Parts(below, above, joints, slab.tolist(), np.bincount(block, pieces["flux"].to_numpy(), len(below)))
+    return GraphParts(below, above, joints, slab.tolist(), np.bincount(block, pieces["flux"].to_numpy(), len(below)))
 
 
 def most_persistent(numbers, persistence):
@@ -60,13 +60,13 @@ def most_persistent(numbers, persistence):
 
 
 def surface_parts(pieces, handles):
-    """The pieces of the surface as :class:`Parts` over contours, one joint a piece, the most persistent."""
+    """The pieces of the surface as :class:`GraphParts` over contours, one joint a piece, the most persistent."""
     events, persistence = [[] for _ in range(len(pieces))], handles["persistence"].to_pylist()
     for handle, piece in zip(handles["handle"].to_pylist(), handles["piece"].to_pylist()):
         events[piece].append(handle)
     joints = [most_persistent(inside, persistence) for inside in events]
     columns = (pieces[name].to_pylist() for name in ("below", "above"))
-    return Parts(*columns, joints, pieces["slab"].to_pylist(), pieces["area"].to_numpy())
+    return GraphParts(*columns, joints, pieces["slab"].to_pylist(), pieces["area"].to_numpy())
 
 
 def linked_parts(level, links):
@@ -91,4 +91,4 @@ def linked_parts(level, links):
         plain = len(lower) == len(upper) == 1
         joints.append([] if plain else [number])
         number += not plain
-    return Parts(below, above, joints, slab[first][order].tolist(), np.full(len(found), np.nan))
+    return GraphParts(below, above, joints, slab[first][order].tolist(), np.full(len(found), np.nan))

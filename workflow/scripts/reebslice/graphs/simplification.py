@@ -9,7 +9,7 @@ import heapq
 import numpy as np
 from numba import njit
 
-from ..slicing.pairing import find
+from ..arrays.components import find
 
 
 def extended_pairs(n_nodes, arcs):

@@ -5,8 +5,9 @@ from typing import NamedTuple
 import numpy as np
 from numba import njit
 
+from ..errors import TouchingSheetsError
 from . import half_edges, orders, touching
-from .faults import tell_place
+from .faults import format_point
 
 
 class Gluing(NamedTuple):
@@ -43,9 +44,9 @@ def close_surface(points, faces, numbering, largest):
 
     In this order, until every mesh edge has exactly two faces: equal corners
     merged; the file's own numbering, which may keep apart parts that touch;
-    the steps of `untie`; corners on open mesh edges merged within a
+    the steps of `separate_sheets`; corners on open mesh edges merged within a
     tolerance that grows from 1e-12 of the largest extent by powers of ten,
-    and the steps of `untie` again.
+    and the steps of `separate_sheets` again.
     Returns a `Closing`; its gluing is as found if nothing closes it.
     """
     distinct = find_distinct(faces)
@@ -57,13 +58,13 @@ def close_surface(points, faces, numbering, largest):
     own = glue(proper, len(points), numbering[distinct])
     if is_closed(own):
         return best._replace(glued=own, own_numbering=True)
-    untied = untie(points, best, largest * np.ptp(points, axis=0).max())
+    untied = separate_sheets(points, best, largest * np.ptp(points, axis=0).max())
     if is_closed(untied.glued):
         return untied
     return _close_within_tolerance(points, best, largest) or best._replace(entangled=untied.entangled)
 
 
-def untie(points, found, slack):
+def separate_sheets(points, found, slack):
     """Look for what rids a surface of mesh edges with more than two faces; returns the new `Closing`.
 
     It is the first of these that leaves two faces to every mesh edge: duplicate
@@ -83,17 +84,17 @@ def untie(points, found, slack):
     try:
         glued = found.glued
         order, loose = touching.pair_around(points, glued.faces, glued.order, glued.starts, slack)
-    except touching.Entangled as fault:
-        return found._replace(entangled=_tell_entangled(points, found.glued, fault))
+    except TouchingSheetsError as fault:
+        return found._replace(entangled=_describe_entangled(points, found.glued, fault))
     apart = len(find_crowded(glued))
     return found._replace(glued=Gluing(glued.faces, half_edges.pair_half_edges(order)), apart=apart, loose=loose)
 
 
-def _tell_entangled(points, glued, fault):
+def _describe_entangled(points, glued, fault):
     if fault.edge is None:
         return str(fault)
     low, high = list_ends(glued, np.array([fault.edge]))[0]
-    return f"at the one from {tell_place(points[low])} to {tell_place(points[high])} {fault}"
+    return f"at the one from {format_point(points[low])} to {format_point(points[high])} {fault}"
 
 
 def _close_within_tolerance(points, start, largest):
@@ -117,7 +118,7 @@ def _close_within_tolerance(points, start, largest):
         found = found._replace(glued=glue(faces, len(points)))
         if is_closed(found.glued):
             return found
-        if is_closed((untied := untie(points, found, largest * extent)).glued):
+        if is_closed((untied := separate_sheets(points, found, largest * extent)).glued):
             return untied
     return None
 

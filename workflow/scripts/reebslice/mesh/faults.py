@@ -27,14 +27,14 @@ def find_fault(points, faces):
         bad = np.flatnonzero(~np.isfinite(corners).all(axis=1))
         return (
             f"{len(bad)} vertices have coordinates that are not finite numbers, the first is"
-            f" vertex {used[bad[0]]} at {tell_place(corners[bad[0]])}; mend or remove them in the"
+            f" vertex {used[bad[0]]} at {format_point(corners[bad[0]])}; mend or remove them in the"
             " program that wrote the file."
         )
     reach, extent = max(-low.min(), high.max()), (high - low).max()
     if reach > LARGEST or extent < SMALLEST:
         return (
             f"Coordinates reach {reach:.3g} over an extent of {extent:.3g}, where areas and"
-            f" volumes leave the range of numbers, the first vertex is at {tell_place(points[faces.min()])};"
+            f" volumes leave the range of numbers, the first vertex is at {format_point(points[faces.min()])};"
             " scale the mesh to an ordinary size."
         )
     return None
@@ -66,6 +66,6 @@ def find_used(n_points, faces):
     return np.flatnonzero(used)
 
 
-def tell_place(point):
+def format_point(point):
     """Return a point as text, in as many digits as find it again."""
     return "({})".format(", ".join(f"{x:.6g}" for x in point))

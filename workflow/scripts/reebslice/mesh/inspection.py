@@ -7,10 +7,11 @@ with a record of what was found and repaired, or the reason why there is none.
 import numpy as np
 from numba import njit
 
+from ..errors import NotASolidError, UnionError
 from ..schemas import build_table
 from . import unions
 from .orders import sort_faces
-from .repairs import REPAIRS, Unfit, clean_surface
+from .repairs import REPAIRS, clean_surface
 
 OVERLAPS = ("keep", "union")
 # What the record says of the file, whatever is united afterwards.
@@ -50,7 +51,7 @@ def inspect_surface(points, faces, options=None):
         tables = _tabulate(*surface, record)
         if options["overlaps"] == "union":
             tables = _unite(tables, options, record)
-    except Unfit as error:
+    except NotASolidError as error:
         record.update(status="rejected", reason=str(error))
         return None, record
     record["status"] = "repaired" if record["repairs"] else "accepted"
@@ -93,8 +94,8 @@ def _unite(tables, options, record):
     body = tables["shells"]["body"].to_numpy()[tables["faces"]["shell"].to_numpy()]
     try:
         united = unions.unite_bodies(points, faces, body)
-    except unions.Refused as refusal:
-        raise Unfit(
+    except UnionError as refusal:
+        raise NotASolidError(
             f"The bodies cannot be united: {refusal}; mend the mesh in an editor, or set inspect.overlaps to keep,"
             " which takes each body as it is."
         )

@@ -6,7 +6,7 @@ import numpy as np
 from numba import njit
 
 
-def wind(faces, turned):
+def orient_faces(faces, turned):
     """The faces (m, 3), those `turned` (m,) bool over, each from its first corner on; the same array if none is."""
     if not turned.any():
         return faces

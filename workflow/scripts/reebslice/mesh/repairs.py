@@ -4,14 +4,11 @@ from typing import NamedTuple
 
 import numpy as np
 
+from ..errors import NotASolidError
 from . import closing, half_edges, measures, merging, sheets, shells, touching
-from .faults import find_fault, tell_place
+from .faults import find_fault, format_point
 
 REPAIRS = ("merge", "duplicates", "split", "orient")
-
-
-class Unfit(ValueError):
-    """The faces do not bound a solid; the message says why, and the cure."""
 
 
 def clean_surface(points, faces, options, record):
@@ -21,17 +18,17 @@ def clean_surface(points, faces, options, record):
     `inspection.inspect_surface`; record: what is found goes into it.
 
     Returns points (n', 3), in lexicographic order; faces (m', 3); the shell
-    (m',) of each; and the sides of the shells, see `shells.find_sides`.
-    Raises `Unfit` if there is no such surface within the repairs allowed.
+    (m',) of each; and the sides of the shells, see `shells.orient_shells`.
+    Raises `NotASolidError` if there is no such surface within the repairs allowed.
     """
     if fault := find_fault(points, faces):
-        raise Unfit(fault)
+        raise NotASolidError(fault)
     points, merged = merging.merge_exactly(points, faces)
     found = closing.close_surface(points, merged, faces, options["merge_tolerance"])
     _note_closing(points, found, record)
     _check_closed(points, found, options)
     if found.tolerance:
-        _allow("merge", options, record, _tell_merge(points, found))
+        _allow("merge", options, record, _describe_merge(points, found))
     if found.duplicates:
         dropped = f"dropped {found.duplicates} faces whose corners another face has too"
         _allow("duplicates", options, record, dropped)
@@ -39,13 +36,13 @@ def clean_surface(points, faces, options, record):
         dropped = f"dropped {found.flaps} flaps, that is pairs of coinciding faces that enclose nothing"
         _allow("duplicates", options, record, dropped)
     if found.apart:
-        _allow("split", options, record, _tell_apart(points, found))
+        _allow("split", options, record, _describe_apart(points, found))
     if found.apart:
         found = _face_outward(points, found, options, record)
     found, walk, sizes = _drop_flat(points, found, options, record)
     faces, (opposite, component, turned, _) = found.glued.faces, walk
     _check_wound(points, faces, walk, record)
-    sides = shells.find_sides(points, faces, component, turned, *sizes)
+    sides = shells.orient_shells(points, faces, component, turned, *sizes)
     _note_sides(points, faces, component, sides, options, record)
     if found.apart:
         _check_apart(points, faces, sides["flip"])
@@ -55,7 +52,7 @@ def clean_surface(points, faces, options, record):
     if found.apart or found.own_numbering:  # else two vertices have one mesh edge at most
         points, faces, old = sheets.split_double_edges(points, faces, opposite)
         component, flip = component[old], flip[old]
-    return points, measures.wind(faces, flip), component, sides
+    return points, measures.orient_faces(faces, flip), component, sides
 
 
 class Walk(NamedTuple):
@@ -74,7 +71,7 @@ def _walk(glued):
 def _measure(points, faces, walk):
     """Area and volume of every shell, see `measures.measure_shells`."""
     n_shells = walk.component.max() + 1
-    return measures.measure_shells(points, measures.wind(faces, walk.turned), walk.component, n_shells)
+    return measures.measure_shells(points, measures.orient_faces(faces, walk.turned), walk.component, n_shells)
 
 
 def _note_closing(points, found, record):
@@ -96,11 +93,11 @@ def _note_closing(points, found, record):
 
 
 def _check_closed(points, found, options):
-    """Raise `Unfit` naming the open or crowded mesh edges of the exact gluing."""
+    """Raise `NotASolidError` naming the open or crowded mesh edges of the exact gluing."""
     if closing.is_closed(found.glued):
         return
     if not len(found.exact.faces):
-        raise Unfit(
+        raise NotASolidError(
             f"All {found.degenerate} faces have two equal corners: nothing remains of the"
             " surface; export the mesh with more digits."
         )
@@ -128,15 +125,15 @@ def _check_closed(points, found, options):
     also = f", or, if its parts only just fail to meet, raise inspect.merge_tolerance ({tolerance:g})"
     told = "; ".join(faults)
     told = f"{told[0].upper()}{told[1:]}; {cure} in a mesh editor"
-    raise Unfit(f"{told}{also if len(edges_open) else ''}.")
+    raise NotASolidError(f"{told}{also if len(edges_open) else ''}.")
 
 
 def _check_wound(points, faces, walk, record):
-    """Raise `Unfit` if a part is one-sided."""
+    """Raise `NotASolidError` if a part is one-sided."""
     record["oriented"] = walk.conflict < 0 and not walk.turned.any()
     if walk.conflict >= 0:
-        place = tell_place(points[faces.ravel()[walk.conflict]])
-        raise Unfit(
+        place = format_point(points[faces.ravel()[walk.conflict]])
+        raise NotASolidError(
             "The surface is one-sided (like a Klein bottle): at least 1 part cannot be wound"
             f" consistently, the first conflict is at {place}; a solid has no such boundary,"
             " rebuild that part."
@@ -147,12 +144,12 @@ def _face_outward(points, found, options, record):
     """Turn over parts that face inward and take apart once more: it depends on where the material is."""
     walk = _walk(found.glued)
     sizes = _measure(points, found.glued.faces, walk)
-    flip = shells.find_sides(points, found.glued.faces, walk.component, walk.turned, *sizes)["flip"]
+    flip = shells.orient_shells(points, found.glued.faces, walk.component, walk.turned, *sizes)["flip"]
     if not _find_crowded_corners(found.glued.faces, len(points), flip).size:
         return found
     faces = np.where(flip[:, None], found.glued.faces[:, ::-1], found.glued.faces)
     start = found._replace(glued=closing.glue(faces, len(points)), apart=0)
-    again = closing.untie(points, start, options["merge_tolerance"] * np.ptp(points, axis=0).max())
+    again = closing.separate_sheets(points, start, options["merge_tolerance"] * np.ptp(points, axis=0).max())
     _check_closed(points, again, options)
     _allow("orient", options, record, f"turned over {flip.sum()} faces of touching parts that faced inward")
     return again
@@ -181,12 +178,12 @@ def _find_crowded_corners(faces, n_vertices, chosen):
 
 
 def _check_apart(points, faces, flip):
-    """Raise `Unfit` if parts were taken apart by a winding that turned out to be wrong."""
+    """Raise `NotASolidError` if parts were taken apart by a winding that turned out to be wrong."""
     wrong = _find_crowded_corners(faces, len(points), flip)
     if len(wrong):
-        raise Unfit(
+        raise NotASolidError(
             "Parts that touch along mesh edges face inward, so that it is not sure how they come apart, the"
-            f" first at {tell_place(points[faces.ravel()[wrong[0]]])}; turn them over in a mesh editor."
+            f" first at {format_point(points[faces.ravel()[wrong[0]]])}; turn them over in a mesh editor."
         )
 
 
@@ -195,9 +192,9 @@ def _note_sides(points, faces, component, sides, options, record):
     flat = np.flatnonzero(sides["volumes"] == 0)
     if len(flat):
         first = points[faces[np.argmax(component == flat[0]), 0]]
-        raise Unfit(
+        raise NotASolidError(
             f"{len(flat)} of {n_shells} closed parts enclose no volume, the first is at"
-            f" {tell_place(first)}; delete such flat parts in a mesh editor."
+            f" {format_point(first)}; delete such flat parts in a mesh editor."
         )
     free, inward = sides["free"], sides["inward"]
     if free.any():
@@ -220,21 +217,21 @@ def _note_pinches(points, origin, found, options, record):
     if len(pinched) and not found.own_numbering:
         told = (
             f"split {len(pinched)} pinch vertices, where sheets touch in a point, into"
-            f" {copies[pinched].sum()}, the first at {tell_place(points[pinched[0]])}"
+            f" {copies[pinched].sum()}, the first at {format_point(points[pinched[0]])}"
         )
         _allow("split", options, record, told)
 
 
 def _allow(repair, options, record, told):
     if repair not in options["repair"]:
-        raise Unfit(
+        raise NotASolidError(
             f"It would take a repair that the configuration does not allow ({told});"
             f" add {repair} to inspect.repair, or mend the mesh in an editor."
         )
     record["repairs"].append(told)
 
 
-def _tell_merge(points, found):
+def _describe_merge(points, found):
     extent = np.ptp(points, axis=0).max()
     told = (
         f"merged {found.moved} corners within {found.tolerance:g} of the largest extent"
@@ -243,7 +240,7 @@ def _tell_merge(points, found):
     return told + (f", by which {found.collapsed} sliver faces vanished" if found.collapsed else "")
 
 
-def _tell_apart(points, found):
+def _describe_apart(points, found):
     crowded = closing.find_crowded(found.exact)
     where = f", the first {_span(points, found.exact, crowded)}" if len(crowded) else ""
     loose = f"; at {found.loose} of them faces coincide within the merge tolerance only" if found.loose else ""
@@ -253,4 +250,4 @@ def _tell_apart(points, found):
 def _span(points, glued, edges):
     ends = closing.list_ends(glued, edges)
     first = ends[np.lexsort(ends.T[::-1])[0]]
-    return f"from {tell_place(points[first[0]])} to {tell_place(points[first[1]])}"
+    return f"from {format_point(points[first[0]])} to {format_point(points[first[1]])}"

@@ -132,7 +132,7 @@ def cast_rays(points, faces, queries, margin):
     return inside, on
 
 
-def find_sides(points, faces, shell, turned, areas, volumes):
+def orient_shells(points, faces, shell, turned, areas, volumes):
     """Find on which side of every shell the material is.
 
     points (n, 3), faces (m, 3), shell (m,) the shell of each face, turned (m,)

@@ -10,13 +10,7 @@ from functools import cmp_to_key
 
 import numpy as np
 
-
-class Entangled(ValueError):
-    """The faces around a mesh edge do not tell which of them belong together; the message says why."""
-
-    def __init__(self, says, edge=None):
-        super().__init__(says)
-        self.edge = edge
+from ..errors import TouchingSheetsError
 
 
 def pair_around(points, faces, order, starts, slack):
@@ -29,13 +23,15 @@ def pair_around(points, faces, order, starts, slack):
     lie within `slack`, in mesh units, of each other's planes, because rounding
     alone then tells whether they are a gap or an overlap.
 
-    Raises `Entangled` unless the faces are wound consistently, and material
+    Raises `TouchingSheetsError` unless the faces are wound consistently, and material
     and void alternate around each mesh edge that has more than two faces.
     """
     tails = faces.ravel()[order]
     double = starts[:-1][np.diff(starts) == 2]
     if np.any(tails[double] == tails[double + 1]):
-        raise Entangled("the winding of the faces is not consistent, so that it does not tell where the material is")
+        raise TouchingSheetsError(
+            "the winding of the faces is not consistent, so that it does not tell where the material is"
+        )
     paired, loose = order.copy(), 0
     for edge in np.flatnonzero(np.diff(starts) > 2).tolist():
         here = slice(starts[edge], starts[edge + 1])
@@ -57,7 +53,9 @@ def _pair(points, faces, half_edges, slack, edge):
     turn = _alternate(groups, begins)
     kinds = [begins[k] for k in turn]
     if any(one == two for one, two in zip(kinds, kinds[1:] + kinds[:1])):
-        raise Entangled("parts overlap there, so that its faces do not tell which of them belong together", edge)
+        raise TouchingSheetsError(
+            "parts overlap there, so that its faces do not tell which of them belong together", edge
+        )
     exact = not any(_turn(axis, spokes[one], spokes[two]) for group in groups for one, two in zip(group, group[1:]))
     first = kinds.index(True)
     return turn[first:] + turn[:first], exact
@@ -90,7 +88,7 @@ def _group_by_angle(axis, spokes, reach, edge):
     length = _dot(axis, axis)
     breadth = [length * _dot(spoke, spoke) - _dot(axis, spoke) ** 2 for spoke in spokes]  # squares
     if not all(breadth):
-        raise Entangled("a face without area has no direction there", edge)
+        raise TouchingSheetsError("a face without area has no direction there", edge)
     quarter = [_quarter(axis, length, spokes[0], spoke) for spoke in spokes]
 
     def compare(one, two):

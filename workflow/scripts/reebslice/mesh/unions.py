@@ -8,14 +8,11 @@ touch, rounding would decide whether they unite, so such a union is refused.
 import manifold3d
 import numpy as np
 
-from .faults import tell_place
+from ..errors import UnionError
+from .faults import format_point
 
 SHIFT = 1e-9  # of the largest extent: the union must not change if bodies move by so much
 TRIALS = 2
-
-
-class Refused(ValueError):
-    """The bodies cannot be united; the message says why."""
 
 
 def unite_bodies(points, faces, body):
@@ -27,7 +24,7 @@ def unite_bodies(points, faces, body):
     sheets apart; or None if all bodies are clear of each other. Bodies whose
     boxes meet no other's stay as they are.
 
-    Raises `Refused` if manifold3d does not take a body, if a body that meets
+    Raises `UnionError` if manifold3d does not take a body, if a body that meets
     others crosses itself, and if the shells of the union, or their genera,
     change when the bodies move by `SHIFT`.
     """
@@ -65,7 +62,7 @@ def _build(points, faces):
 
 
 def _check_simple(body):
-    """Raise `Refused` if a body crosses itself.
+    """Raise `UnionError` if a body crosses itself.
 
     With the winding number w of a body, which is 0 or 1 unless it crosses
     itself, manifold3d's union with a twin has the winding number 2 w - w^2,
@@ -75,7 +72,7 @@ def _check_simple(body):
     step = SHIFT * (high - low).max()
     both = _add([body, body.translate((0.6 * step, 0.64 * step, 0.48 * step))])
     if abs(both.volume() - body.volume()) > 4 * step * body.surface_area():
-        raise Refused(f"the body between {tell_place(low)} and {tell_place(high)} crosses itself")
+        raise UnionError(f"the body between {format_point(low)} and {format_point(high)} crosses itself")
 
 
 def _unite(bodies):
@@ -83,8 +80,8 @@ def _unite(bodies):
     union = _add(bodies)
     if any(_find_shells(_add(moved)) != _find_shells(union) for moved in _move_bodies(bodies)):
         low, high = np.array(union.bounding_box()).reshape(2, 3)
-        raise Refused(
-            f"some of the bodies between {tell_place(low)} and {tell_place(high)} touch without overlapping, so that"
+        raise UnionError(
+            f"some of the bodies between {format_point(low)} and {format_point(high)} touch without overlapping, so"
             " rounding would decide whether they unite"
         )
     if (union.num_vert(), union.num_tri()) == tuple(map(sum, zip(*((m.num_vert(), m.num_tri()) for m in bodies)))):
@@ -116,7 +113,7 @@ def _add(bodies):
 
 def _check(manifold):
     if manifold.status() != manifold3d.Error.NoError or manifold.is_empty():
-        raise Refused(f"manifold3d does not take the surface of a body (status {manifold.status().name})")
+        raise UnionError(f"manifold3d does not take the surface of a body (status {manifold.status().name})")
     return manifold
 
 

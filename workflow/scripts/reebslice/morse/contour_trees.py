@@ -12,7 +12,7 @@ more, the lowest point of what is above.
 import numpy as np
 from numba import njit
 
-from ..slicing.pairing import find
+from ..arrays.components import find
 from .loop_cuts import divert
 
 

@@ -13,7 +13,7 @@ from typing import NamedTuple
 import numpy as np
 from numba import njit
 
-from ..slicing.pairing import find, join
+from ..arrays.components import find, join
 from .contour_trees import choose_gates, find_gates, merge_components, prune_leaves
 from .loop_cuts import cut_loops, no_cuts
 

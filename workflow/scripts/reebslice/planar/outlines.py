@@ -6,7 +6,7 @@ import numpy as np
 import shapely
 from numba import njit
 
-from ..arrays.grouping import share_out
+from ..arrays.grouping import split_into_blocks
 from .curves import Curves, pick_curves, signed_area
 
 # Points of polygons that are looked at together; with more, time goes into fetching memory.
@@ -57,7 +57,7 @@ def mend_outlines(outlines):
     Others come of surfaces that cross themselves, and of contours that coincide by rounding.
     """
     broken, mended = [np.zeros(0, int)], []
-    for first, end in share_out(outlines.ring[outlines.start], POINTS_AT_ONCE):
+    for first, end in split_into_blocks(outlines.ring[outlines.start], POINTS_AT_ONCE):
         polygons = outline_polygons(_slice_outlines(outlines, first, end))
         wrong = np.flatnonzero(~shapely.is_valid(polygons))
         broken.append(first + wrong)

@@ -3,7 +3,7 @@
 import numpy as np
 from numba import njit
 
-from .pairing import find, join
+from ..arrays.components import find, join
 
 
 def find_blocks(pieces, contours, regions, unseen_host):

@@ -13,17 +13,14 @@ from typing import NamedTuple
 import numpy as np
 from numba import njit
 
-from ..arrays.grouping import share_out
+from ..arrays.grouping import split_into_blocks
+from ..errors import TooManyCrossingsError
 from ..morse.height_mesh import cross_at
 from .levels import vertex_slabs
 
 # A cut holds 20 bytes of each crossing, its point and its label: 5 GB of so many, and the
 # stages that read all contours back hold several times that. trace_blocks knows no bound.
 MOST_CROSSINGS = 250_000_000
-
-
-class TooManyCrossings(ValueError):
-    """The levels cross the mesh edges more than MOST_CROSSINGS times; the text says how often."""
 
 
 class Contours(NamedTuple):
@@ -65,7 +62,7 @@ def trace_contours(mesh, levels):
     Every contour is closed, has material on its left seen from +z, and starts
     at its first crossing in the order of half-edges, so the result does not
     depend on the order of vertices or faces in the input. Raises
-    TooManyCrossings before it takes the memory for them.
+    TooManyCrossingsError before it takes the memory for them.
     """
     return _trace_at_once(mesh, levels, NO_CROSSINGS)
 
@@ -87,7 +84,7 @@ def trace_blocks(mesh, levels, most_crossings):
     bit. Beyond the mesh and a block it takes some 20 bytes a face.
     """
     count = _count_crossings(mesh.faces, vertex_slabs(mesh, levels), len(levels.height))
-    return _sweep(mesh, levels, NO_CROSSINGS, count, share_out(np.cumsum([0, *count]), most_crossings))
+    return _sweep(mesh, levels, NO_CROSSINGS, count, split_into_blocks(np.cumsum([0, *count]), most_crossings))
 
 
 def _trace_at_once(mesh, levels, crossings):
@@ -98,7 +95,7 @@ def _trace_at_once(mesh, levels, crossings):
 
 def _refuse_too_many(levels, crossings):
     if crossings > MOST_CROSSINGS:
-        raise TooManyCrossings(f"{len(levels.height)} levels cross the mesh edges {crossings} times")
+        raise TooManyCrossingsError(f"{len(levels.height)} levels cross the mesh edges {crossings} times")
 
 
 def _sweep(mesh, levels, crossings, count, blocks):

@@ -9,23 +9,26 @@ sets. Time and memory grow as the crossings and the graph, not as the mesh.
 import numpy as np
 from numba import njit
 
+from ..arrays.components import find, join
+from ..errors import TooManyCrossingsError
 from ..morse.height_mesh import cross_at, next_half_edge
 from ..morse.reeb_graph import incident_arcs
-from .contours import MOST_CROSSINGS, Contours, TooManyCrossings
-from .pairing import find, join
+from .contours import MOST_CROSSINGS, Contours
 from .pieces import Pieces
 
 
 def trace_arcs_at_levels(mesh, graph, levels):
     """The :class:`contours.Contours` of all levels, the same as `trace_contours` gives, and those of every arc.
 
-    The second is as of `contours_of_arcs`. Raises TooManyCrossings as soon as
+    The second is as of `contours_of_arcs`. Raises TooManyCrossingsError as soon as
     there are too many.
     """
     offset, level, crossing = _cross_arcs(mesh, graph, levels)
     first, length = _walk_contours(mesh.faces, mesh.twins, levels.below, level, crossing, MOST_CROSSINGS)
     if length.sum() > MOST_CROSSINGS:
-        raise TooManyCrossings(f"{len(levels.height)} levels cross the mesh edges more than {MOST_CROSSINGS} times")
+        raise TooManyCrossingsError(
+            f"{len(levels.height)} levels cross the mesh edges more than {MOST_CROSSINGS} times"
+        )
     order = np.lexsort((first, level))
     contour = np.empty(len(order), np.int32)
     contour[order] = np.arange(len(order), dtype=np.int32)

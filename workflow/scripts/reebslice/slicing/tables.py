@@ -3,7 +3,7 @@
 import numpy as np
 import pyarrow as pa
 
-from ..arrays.grouping import share_out
+from ..arrays.grouping import split_into_blocks
 from ..formats.wkb import pack_curves, unpack_curves
 from ..planar.curves import pick_curves
 from ..planar.outlines import Outlines, mend_outlines
@@ -40,7 +40,7 @@ def contours_table(mesh, slices, shell_of_vertex):
 
 def contours_blocks(mesh, slices, shell_of_vertex):
     """The same, one block of rows after the other, so that the curves of one block are packed at a time."""
-    for first, end in share_out(slices.contours.start, POINTS_AT_ONCE):
+    for first, end in split_into_blocks(slices.contours.start, POINTS_AT_ONCE):
         yield _contour_rows(mesh, slices, shell_of_vertex, slice(first, end))
 
 

@@ -9,7 +9,7 @@ from ..mesh.orders import height_order
 from ..morse.height_mesh import tilt_points
 from .cone import gather_neighbours, survey_surface
 from .scan import find_critical_points, heights_along, scan_directions
-from .score import blank_trails, fewest_levels, find_significant
+from .score import blank_buffers, fewest_levels, find_significant
 
 MODES = ("auto", "none", "direction")
 
@@ -106,7 +106,7 @@ def assess_directions(points, faces, directions):
     surface = survey_surface(points, faces, directions, rounding.max())
     scans = zip(*scan_directions(surface, points, directions))
     points = np.asfortranarray(points)
-    room = np.empty(len(points)), blank_trails(surface)
+    room = np.empty(len(points)), blank_buffers(surface)
     return [_assess(points, surface, *case, *room) for case in zip(directions, rounding.tolist(), scans)]
 
 

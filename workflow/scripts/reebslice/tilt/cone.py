@@ -15,7 +15,7 @@ from ..mesh.half_edges import find_twins, head_of, turn_around
 from ..mesh.orders import canonical_faces
 
 
-class Surface(NamedTuple):
+class ConeSurface(NamedTuple):
     """A closed surface, on which the faces around each vertex are one fan, and what is sure along some directions.
 
     Half-edge h runs from corners[h] to the next corner of its face.
@@ -74,7 +74,7 @@ def _number_cubes(points):
 
 
 def survey_surface(points, faces, directions, rounding):
-    """The :class:`Surface` of (n, 3) points and (m, 3) int32 faces, closed and oriented, for directions (k, 3).
+    """The :class:`ConeSurface` of (n, 3) points and (m, 3) int32 faces, closed and oriented, for directions (k, 3).
 
     rounding : what it can change in the difference of two heights, at most.
     """
@@ -84,12 +84,12 @@ def survey_surface(points, faces, directions, rounding):
     cosine = cosine if cosine > 1e-6 else 0.0  # in a cone of 90 degrees nothing is sure
     twins = find_twins(faces, len(points))
     cone = axis, cosine, np.sqrt(1 - cosine * cosine)
-    return Surface(faces.ravel(), twins, *_survey(points, faces.ravel(), twins, *cone, 2 * rounding + 1e-150))
+    return ConeSurface(faces.ravel(), twins, *_survey(points, faces.ravel(), twins, *cone, 2 * rounding + 1e-150))
 
 
 @njit(cache=True)
 def _survey(points, corners, twins, axis, cosine, sine, slack):
-    """All but the first two of a :class:`Surface`.
+    """All but the first two of a :class:`ConeSurface`.
 
     An edge that is `along` the axis and `across` it makes a difference of
     height of at least |along| cosine - |across| sine. A vertex is regular if

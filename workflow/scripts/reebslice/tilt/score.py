@@ -7,7 +7,7 @@ or uphill, so that most of it is not looked at again.
 
 `key` (n,) float64 is what decides which of two vertices is the higher: their
 heights, or their ranks where heights tie; `found` are the
-:class:`scan.CriticalPoints` of `key` on the :class:`cone.Surface`.
+:class:`scan.CriticalPoints` of `key` on the :class:`cone.ConeSurface`.
 """
 
 from typing import NamedTuple
@@ -19,7 +19,7 @@ from ..arrays.components import find
 from ..mesh.half_edges import ahead, behind, head_of, turn_around
 
 
-class Trails(NamedTuple):
+class WalkBuffers(NamedTuple):
     """Room for what walks leave behind, held from one direction to the next: memory not yet touched is slow.
 
     down, up : (d,) int32, see `_merge`
@@ -33,10 +33,10 @@ class Trails(NamedTuple):
     contour: np.ndarray
 
 
-def blank_trails(surface):
-    """The :class:`Trails` before the first walk on `surface`."""
+def blank_buffers(surface):
+    """The :class:`WalkBuffers` before the first walk on `surface`."""
     roots, faces = np.zeros((2, len(surface.doubtful)), np.int32), len(surface.corners) // 3
-    return Trails(*roots, np.zeros(len(surface.falling), np.int32), np.zeros(faces + 1, np.int32))
+    return WalkBuffers(*roots, np.zeros(len(surface.falling), np.int32), np.zeros(faces + 1, np.int32))
 
 
 def pair_elders(surface, key, found, trails=None):
@@ -47,7 +47,7 @@ def pair_elders(surface, key, found, trails=None):
     vertex of a shell remain, and as many saddles as the surface has loops, twice.
     All are told by their places in found.vertices.
     """
-    trails = trails or blank_trails(surface)
+    trails = trails or blank_buffers(surface)
     trails.down[:] = trails.up[:] = 0
     ground = surface.doubtful, surface.start, surface.ring
     ways = surface.downhill, surface.uphill, trails.down, trails.up
@@ -79,7 +79,7 @@ def fewest_levels(surface, key, found, significant, most=np.iinfo(np.int64).max,
     as it can be, which is optimal as a piece's part has no more than the piece.
     significant : (c,) bool; counting stops at `most`.
     """
-    trails = trails or blank_trails(surface)
+    trails = trails or blank_buffers(surface)
     if trails.contour[-1] > MOST_CONTOURS:
         trails.contour[:] = 0
     return _sweep(*surface[:3], key, *found[2:], significant, most, trails.place, trails.contour)

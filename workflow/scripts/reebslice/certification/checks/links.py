@@ -7,7 +7,7 @@ its findings in; what it recomputes it leaves in the case for later checks.
 import numpy as np
 import shapely
 
-from ..recount.graphs import Parts, find_arcs
+from ..recount.graphs import GraphParts, find_arcs
 from ..recount.regions import build_polygons, find_regions, look_around, share
 
 
@@ -253,7 +253,7 @@ def _largest(case, handles):
 def _solid_parts(case):
     joints = [h if chain else _largest(case, h) for h, chain in zip(case.handles_of_block, case.chains)]
     measure = np.bincount(case.block, case.piece_flux, case.n_blocks)
-    return Parts(case.block_above, case.block_below, joints, measure)
+    return GraphParts(case.block_above, case.block_below, joints, measure)
 
 
 def _surface_parts(case):
@@ -261,7 +261,7 @@ def _surface_parts(case):
     for handle, piece in enumerate(case.columns.handles["piece"].tolist()):
         handles[piece].append(handle)
     joints = [_largest(case, members) for members in handles]
-    return Parts(case.above, case.below, joints, case.piece_area)
+    return GraphParts(case.above, case.below, joints, case.piece_area)
 
 
 def _lone_parts(parts):

@@ -10,7 +10,7 @@ import shapely
 from ..recount.components import find_components
 from ..recount.crossings import cross
 from ..recount.graphs import find_blocks
-from ..recount.holes import Nest, find_hosts, find_parents
+from ..recount.holes import ContourNesting, find_hosts, find_parents
 from ..recount.rays import first_face_along_x
 
 
@@ -23,7 +23,9 @@ def check_holes(case, ledger):
     ledger.rows("contours.inner", ~certain | (inner == (found.area < 0)), "a hole is a contour of negative area")
     _check_chains(case, ledger, inner, certain)
     body = case.body[found.shell]
-    nest = Nest(case.curves, case.boxes, found.area, slack, t["level"].astype(np.int64), case.noise, case.exact)
+    nest = ContourNesting(
+        case.curves, case.boxes, found.area, slack, t["level"].astype(np.int64), case.noise, case.exact
+    )
     host, is_open = find_hosts(nest, inner, body)
     _check_regions(case, ledger, inner, host)
     case.open["holes between two regions"] = is_open.sum()

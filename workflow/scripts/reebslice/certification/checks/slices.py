@@ -11,7 +11,7 @@ from ..recount.curves import measure_curves, pass_spots, read_curves
 from ..recount.cut_surface import count_below, recount
 from ..recount.elders import essential_points
 from ..recount.exact_levels import ExactLevels
-from ..recount.surface import copies, find_sides
+from ..recount.surface import copies, find_mesh_edges
 from ..recount.unfoldings import unfold
 
 ELEMENTARY = {(1, 1): "cylinder", (0, 1): "birth", (1, 0): "death", (2, 1): "join", (1, 2): "split"}
@@ -62,7 +62,7 @@ def check_contours(case, ledger):
 
     split, below, odd = unfold(case.surface, case.sides, case.levels["below"], rings_at, case.noise)
     ledger.enter("saddles_that_no_unfolding_fits", len(odd), 0)
-    case.split, case.split_sides = split, case.sides if split is case.surface else find_sides(split)
+    case.split, case.split_sides = split, case.sides if split is case.surface else find_mesh_edges(split)
     anchors = {"level": t["level"].astype(np.int64)}
     anchors |= {end: t[f"{end}_vertex"].astype(np.int64) for end in ("lower", "upper")}
     doubled = copies(case.surface)[case.rank[split.origin]] - 1

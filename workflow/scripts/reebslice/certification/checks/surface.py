@@ -9,7 +9,7 @@ import numpy as np
 from ..recount.components import find_components
 from ..recount.measures import label_vertices, largest_terms, least_rise, measure_shells
 from ..recount.shells import find_around, find_body, find_parent
-from ..recount.surface import copies, count_links, find_sides, rank_surface
+from ..recount.surface import copies, count_links, find_mesh_edges, rank_surface
 
 
 def check_mesh(case, ledger):
@@ -18,7 +18,7 @@ def check_mesh(case, ledger):
     case.points, case.faces = [t.vertices[axis] for axis in "xyz"], [t.faces[corner] for corner in "abc"]
     case.rotation = np.asarray(case.tilt["rotation"], float)
     case.surface, case.rank = rank_surface(case.points, case.rotation, case.faces, t.faces["shell"])
-    case.sides = find_sides(case.surface)
+    case.sides = find_mesh_edges(case.surface)
     ledger.enter("surface_is_closed_and_oriented", case.sides is not None, True)
     if case.sides is None:
         return

@@ -12,7 +12,7 @@ import numpy as np
 from .components import find_components
 
 
-class Parts(NamedTuple):
+class GraphParts(NamedTuple):
     """What lies between consecutive levels: blocks of the solid or pieces of the surface.
 
     above, below : (I,) the part on either side of each item (region, contour)

@@ -10,7 +10,7 @@ import shapely
 from numba import njit
 
 
-class Nest:
+class ContourNesting:
     """The contours and what is known of them: closed curves, their boxes, signed area, its error, level.
 
     noise : how far a curve may be from its contour; exact : what tells of the

@@ -33,7 +33,7 @@ class Ranked(NamedTuple):
     weight: np.ndarray
 
 
-class Sides(NamedTuple):
+class MeshEdges(NamedTuple):
     """The E mesh edges, in order of their ends: lower and upper end, and the three of each face; all int32.
 
     of_face : (m, 3), for corners a < b < c the mesh edges ab, bc, ac
@@ -150,10 +150,10 @@ def copies(surface):
     return np.diff(surface.weight)
 
 
-def find_sides(surface):
-    """The :class:`Sides`, or None unless each lies in two opposite half-edges."""
+def find_mesh_edges(surface):
+    """The :class:`MeshEdges`, or None unless each lies in two opposite half-edges."""
     closed, *columns = _find_sides(surface.corners, surface.even, len(surface.points))
-    return Sides(*columns) if closed else None
+    return MeshEdges(*columns) if closed else None
 
 
 @njit(cache=True)
