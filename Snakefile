@@ -29,6 +29,7 @@ rule all:
 
 onstart:
     drop_rate_limit()
+    forget_forced()
 
 
 onsuccess:

@@ -13,10 +13,10 @@ from hypothesis import strategies as st
 from corpus import batches, layout, model_table, promises, stages
 from corpus.batches import form_batches
 from corpus.code_digest import digest_code, find_sources, read_outputs
-from corpus.discovery import CorpusError, MeshFile, find_models
+from corpus.discovery import CorpusError, InputFile, find_models
 from corpus.layout import MODELS_FOLDER, STAGES, STATUS_SCHEMA
 from corpus.promises import find_broken_promises
-from corpus.receipts import make_key, receipt_name
+from corpus.receipts import digest_mesh, make_key, receipt_name
 from corpus.stages import Rejected, run_models
 from corpus.storage import read_json, write_json, write_parquet
 
@@ -70,7 +70,6 @@ def test_links_are_followed_and_loops_left():
         (["m/a.stl", "m/a.obj"], "'m/a.obj' and 'm/a.stl' would both be the model 'a'; rename"),
         (["m/a__b.stl", "m/a/b.stl"], "would both be the model 'a__b'"),
         (["m/line\nbreak.stl"], "unprintable characters; rename"),
-        (["m/{a}.stl"], "holds a brace; rename"),
         (["m/" + "x" * 190 + ".stl"], "an id of 190 bytes, more than 180; shorten"),
     ],
 )
@@ -80,11 +79,45 @@ def test_unusable_folders_and_names_are_refused_with_the_cure(paths, message):
         find_models("m")
 
 
+def test_what_is_not_there_is_told():
+    put("m/a.stl")
+    os.symlink("gone.stl", "m/b.stl")
+    models, others = find_models("m")
+    assert list(models) == ["a"] and others == ["m/b.stl (no file: a link to nothing, or a device)"]
+
+
+def test_names_that_mean_something_to_snakemake_are_models_like_others():
+    put("m/a <b>.stl", "m/{c}.stl")
+    assert list(find_models("m")[0]) == ["a <b>", "{c}"]
+
+
+def put_gltf(path, uri):
+    path = Path(path)
+    path.parent.mkdir(parents=True, exist_ok=True)
+    path.write_text('{"asset": {"version": "2.0"}, "buffers": [{"uri": "%s", "byteLength": 4}]}' % uri)
+
+
+def test_a_mesh_is_another_when_a_file_that_it_names_is():
+    put_gltf("m/a.gltf", "my%20part.bin")
+    stamps, keys = [], []
+    for content in (None, b"0000", b"1111"):
+        if content:
+            Path("m/my part.bin").write_bytes(content)
+        stamps.append(batches.describe_meshes(find_models("m")[0], ["a"]))
+        keys.append(digest_mesh("m/a.gltf"))
+    assert len(set(stamps)) == len(set(keys)) == 3
+
+
+def test_a_mesh_is_another_when_its_ending_is():
+    put("m/a.stl", "m/b.obj", "m/c.STL")
+    assert digest_mesh("m/a.stl") == digest_mesh("m/c.STL") != digest_mesh("m/b.obj")
+
+
 # Batches
 
 
 def some_models(count, size=100):
-    return {f"model{i:05d}": MeshFile(f"m/model{i:05d}.stl", size, 0) for i in range(count)}
+    return {f"model{i:05d}": InputFile(f"m/model{i:05d}.stl", size, 0) for i in range(count)}
 
 
 def work_of(models, members):
@@ -110,7 +143,7 @@ def test_a_large_corpus_makes_larger_batches():
     most=st.integers(1, 40),
 )
 def test_batches_deal_out_every_model_once_and_share_the_work(sizes, size, most):
-    models = {f"model{i:03d}": MeshFile(f"m/{i}.stl", number, 0) for i, number in enumerate(sizes)}
+    models = {f"model{i:03d}": InputFile(f"m/{i}.stl", number, 0) for i, number in enumerate(sizes)}
     dealt = form_batches(models, size, most)
     assert sorted(model for members in dealt.values() for model in members) == list(models)
     limit = batches._find_limit(models, size, most)
@@ -131,13 +164,13 @@ def test_one_mesh_more_or_less_changes_one_batch():
 
 
 def test_a_large_mesh_is_alone():
-    models = some_models(10) | {"huge": MeshFile("m/huge.stl", batches.LARGE_MESH + 1, 0)}
+    models = some_models(10) | {"huge": InputFile("m/huge.stl", batches.LARGE_MESH + 1, 0)}
     alone = [members for name, members in form_batches(models, 32, 32).items() if name.startswith("alone-")]
     assert alone == [["huge"]]
 
 
 def test_predicted_resources_grow_with_the_meshes():
-    models = some_models(10) | {"huge": MeshFile("m/huge.stl", 50 * 2**20, 0)}
+    models = some_models(10) | {"huge": InputFile("m/huge.stl", 50 * 2**20, 0)}
     assert batches.predict_memory(models, ["huge"]) > 2 * batches.predict_memory(models, ["model00000", "model00001"])
     few, many = (batches.predict_minutes(some_models(count), some_models(count)) for count in (1, 1000))
     assert few < 15 and many > 30
@@ -150,7 +183,7 @@ def test_the_work_of_batches_adds_up():
 
 
 def test_a_mesh_replaced_by_an_older_file_is_noticed():
-    old, new = {"a": MeshFile("a.stl", 10, 5)}, {"a": MeshFile("a.stl", 10, 4)}
+    old, new = {"a": InputFile("a.stl", 10, 5)}, {"a": InputFile("a.stl", 10, 4)}
     assert batches.describe_meshes(old, ["a"]) != batches.describe_meshes(new, ["a"])
 
 
@@ -396,7 +429,7 @@ def test_a_light_process_makes_tables_without_pandas_and_can_still_load_it():
     script = """
 import sys
 import numpy as np, pyarrow as pa
-from surroundings import trim_startup
+from corpus.process import trim_startup
 trim_startup()
 table = pa.table({"a": pa.array(np.arange(3)), "b": pa.array(["x", None, "z"])})
 assert table["a"].to_numpy().tolist() == [0, 1, 2] and table.to_pylist()[1] == {"a": 1, "b": None}

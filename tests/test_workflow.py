@@ -101,6 +101,25 @@ def checkout(tmp_path):
     return target
 
 
+def test_odd_names_stop_nothing(tmp_path):
+    for name in ("a <b>", "{c}"):
+        write_box(tmp_path / "007" / f"{name}.off")
+    (tmp_path / "007/gone.off").symlink_to("nowhere.off")
+    code, said = run(tmp_path, meshes="007")
+    assert code == 0, said
+    assert {model: row["status"] for model, row in models_table(tmp_path).items()} == {"a <b>": "ok", "{c}": "ok"}
+    assert "1 names in 007 are no meshes that can be read and are left out: 007/gone.off (no file" in said
+
+
+def test_a_forced_stage_computes(folder):
+    levels = folder / "results/models/tall/levels.parquet"
+    whole = levels.read_bytes()
+    levels.write_bytes(whole[:100])
+    code, said = run(folder, "--forcerun", "slice_mesh")
+    assert code == 0, said
+    assert levels.read_bytes() == whole
+
+
 def test_a_run_leaves_every_file_and_says_how_it_went(finished):
     folder, said = finished
     rows = models_table(folder)

@@ -16,19 +16,21 @@ sys.path.insert(0, str(SCRIPTS))
 
 from corpus.batches import describe_meshes, form_batches, predict_memory, predict_minutes, predict_work
 from corpus.code_digest import compiled_code_folder, digest_code, read_outputs
-from corpus.configuration import ConfigError, check_config
+from corpus.configuration import ConfigError, check_config, restore_texts
 from corpus.discovery import CorpusError, find_models
 from corpus.layout import MODELS_TABLE, STAGES
 from corpus.model_table import count_models
 from corpus.promises import find_broken_promises
+from corpus.receipts import forget_stage
 
 os.environ.setdefault("NUMBA_CACHE_DIR", str(compiled_code_folder(SCRIPTS / "reebslice")))
 
 # Configuration ---------------------------------------------------------------
 
 try:
+    SCHEMA = yaml.safe_load((WORKFLOW / "schemas" / "config.schema.yaml").read_text())
     config = check_config(
-        config, yaml.safe_load((WORKFLOW / "schemas" / "config.schema.yaml").read_text())
+        restore_texts(config, workflow.config_settings.config_args, SCHEMA), SCHEMA
     )
 except ConfigError as error:
     raise WorkflowError(str(error)) from None
@@ -63,20 +65,28 @@ if workflow.is_main_process:
         Path(table).unlink(missing_ok=True)
     if OTHER_FILES:
         logger.warning(
-            f"{len(OTHER_FILES)} files in {config['meshes']} are no meshes that can be read "
-            f"and are left out, such as {OTHER_FILES[0]}"
+            f"{len(OTHER_FILES)} names in {config['meshes']} are no meshes that can be read "
+            f"and are left out: {', '.join(OTHER_FILES[:3])}{' ...' if len(OTHER_FILES) > 3 else ''}"
         )
 
 # Functions for the rules -----------------------------------------------------
 
 
-def meshes_of(wildcards):
-    """Mesh files of a batch."""
+def paths_of(wildcards):
+    """Mesh files of a batch, in the order of models_of."""
     return [MODELS[model].path for model in BATCHES[wildcards.batch]]
 
 
+def inputs_of(wildcards):
+    """Those of them that Snakemake can take as inputs: it reads {x} as a wildcard and <x> as a path variable.
+
+    Of the others stamp_of tells when they change.
+    """
+    return [path for path in paths_of(wildcards) if not set("{}<>") & set(path)]
+
+
 def models_of(wildcards):
-    """Ids of a batch's models, in the order of meshes_of."""
+    """Ids of a batch's models."""
     return BATCHES[wildcards.batch]
 
 
@@ -122,6 +132,14 @@ def drop_rate_limit():
     """
     if hasattr(workflow.scheduler, "job_rate_limiter"):
         workflow.scheduler.job_rate_limiter = None
+
+
+def forget_forced():
+    """Have the stages that --forceall or --forcerun names compute what receipts would spare them."""
+    settings = workflow.dag_settings
+    for stage in STAGES:
+        if settings.forceall or stage in settings.forcerun:
+            forget_stage(MODELS, stage)
 
 
 def close_run():

@@ -10,11 +10,12 @@
 # Writes inspection.json and the surface: vertices, faces, shells.
 rule inspect_mesh:
     input:
-        meshes=meshes_of,
+        meshes=inputs_of,
     output:
         status="results/status/inspect_mesh/{batch}.parquet",
     params:
         models=models_of,
+        paths=paths_of,
         stamp=stamp_of,
         options=config["inspect"],
         code=CODE["inspect_mesh"],

@@ -21,7 +21,7 @@ def form_batches(models, size, most):
 
     Parameters
     ----------
-    models : dict of str to MeshFile
+    models : dict of str to InputFile
     size : int
         Models of a kilobyte that share a process; a large mesh counts as
         many of them.

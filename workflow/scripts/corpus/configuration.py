@@ -42,6 +42,25 @@ def check_config(config, schema):
     return config
 
 
+def restore_texts(config, arguments, schema):
+    """Return the configuration with texts of the command line as they were typed.
+
+    Snakemake reads each `--config KEY=VALUE` as a number, or as true or false,
+    where it can: a folder called 007 arrives as 7.
+
+    Parameters
+    ----------
+    config : dict
+    arguments : iterable of str
+        The entries of `--config`, as typed.
+    schema : dict
+        Of its keys on the top level, those of type string are restored.
+    """
+    typed = dict(argument.split("=", 1) for argument in arguments if "=" in argument)
+    texts = {key for key, part in schema["properties"].items() if part.get("type") == "string"}
+    return config | {key: value.strip("'\"") for key, value in typed.items() if key in texts}
+
+
 def _read_texts(value, schema):
     """Read values as what the schema asks for where that is plain: '0.02', 15 and '1e-6' as numbers.
 

@@ -3,6 +3,8 @@
 import os
 from dataclasses import dataclass
 
+from .companions import stamp_companions
+
 ENDINGS = (".stl", ".obj", ".ply", ".off", ".glb", ".gltf", ".3mf", ".step", ".stp")
 # What lies beside meshes and belongs to them: materials, textures, buffers, notes.
 COMPANIONS = (".mtl", ".bin", ".png", ".jpg", ".jpeg", ".md", ".txt", ".csv", ".json", ".yaml")
@@ -14,12 +16,13 @@ class CorpusError(ValueError):
 
 
 @dataclass(frozen=True)
-class MeshFile:
+class InputFile:
     """One input file."""
 
     path: str
     size: int
     mtime_ns: int
+    companions: tuple = ()  # (path, size, mtime_ns) of the files that it names, None where one is missing
 
 
 # --------------------------------------------------------------------------
@@ -38,9 +41,10 @@ def find_models(folder, beside=("results", ".snakemake")):
 
     Returns
     -------
-    models : dict of str to MeshFile, sorted by model id
+    models : dict of str to InputFile, sorted by model id
     others : list of str
-        Files that are neither meshes nor known to accompany them.
+        What else is there, sorted: files that are neither meshes nor known to
+        accompany them, and names of meshes that lead to no file.
 
     Raises
     ------
@@ -60,15 +64,16 @@ def find_models(folder, beside=("results", ".snakemake")):
         if ending.lower() not in ENDINGS:
             others += [path] if ending.lower() not in COMPANIONS else []
             continue
-        if "{" in path or "}" in path:  # Snakemake would read a wildcard
-            raise CorpusError(f"meshes: the path {path!r} holds a brace; rename the file or its folder")
+        if entry is None:
+            others.append(f"{path} (no file: a link to nothing, or a device)")
+            continue
         model = make_model_id(os.path.relpath(stem, folder))
         if model in models:
             raise CorpusError(
                 f"meshes: {models[model].path!r} and {path!r} would both be the model {model!r}; rename one of them"
             )
         stat = entry.stat()
-        models[model] = MeshFile(path, stat.st_size, stat.st_mtime_ns)
+        models[model] = InputFile(path, stat.st_size, stat.st_mtime_ns, stamp_companions(path))
     if not models:
         raise CorpusError(
             f"meshes: the folder {folder!r} holds no mesh; put files there that end in {', '.join(ENDINGS)}"
@@ -77,7 +82,7 @@ def find_models(folder, beside=("results", ".snakemake")):
 
 
 def _walk(folder, skipped, seen):
-    """Yield (path, entry) of the files below `folder`, hidden ones left out, links followed."""
+    """Yield (path, entry) of what is below `folder`, hidden names left out, links followed; no entry where no file is."""
     real = os.path.realpath(folder)
     if real in skipped or real in seen:
         return
@@ -88,8 +93,8 @@ def _walk(folder, skipped, seen):
                 continue
             if entry.is_dir():
                 yield from _walk(entry.path, skipped, seen)
-            elif entry.is_file():
-                yield entry.path, entry
+            else:
+                yield entry.path, entry if entry.is_file() else None
 
 
 def make_model_id(stem):

@@ -21,7 +21,7 @@ import pyarrow as pa
 
 from .layout import MODELS_FOLDER, STAGES, STATUS_SCHEMA, read_status
 from .process import peak_memory_mb, print_into, reset_peak_memory, trim_startup
-from .receipts import digest_file, make_key, move_in, receipt_name, valid_receipt, withdraw
+from .receipts import digest_mesh, make_key, move_in, receipt_name, valid_receipt, withdraw
 from .storage import content_key, write_json, write_parquet
 
 
@@ -37,8 +37,8 @@ def run_batch(snakemake, main, outputs):
     """Run the stage `main` over the batch of a Snakemake job.
 
     Reads the models from ``input.status``, the status table of the stage
-    before, or, in the first stage, from ``input.meshes`` and
-    ``params.models``. Writes the status table of this stage. Everything that
+    before, or, in the first stage, from ``params.models`` and
+    ``params.paths``, since not every path of a mesh can be an input. Writes the status table of this stage. Everything that
     is printed on the way goes to the log.
     """
     stage, parameters = snakemake.rule, snakemake.params
@@ -47,7 +47,7 @@ def run_batch(snakemake, main, outputs):
     if "status" in snakemake.input.keys():
         rows = read_status(snakemake.input.status)
     else:
-        rows = _first_rows(parameters.models, snakemake.input.meshes)
+        rows = _first_rows(parameters.models, parameters.paths)
     done = run_models(stage, rows, main, outputs, parameters.options, parameters.code)
     write_parquet(snakemake.output.status, pa.Table.from_pylist(done, schema=STATUS_SCHEMA))
 
@@ -66,12 +66,11 @@ def run_models(stage, rows, main, outputs, options, code):
 # One model
 
 
-def _first_rows(models, meshes):
+def _first_rows(models, paths):
     """Return rows that stand for the stage before the first one."""
-    meshes = [meshes] if isinstance(meshes, str) else meshes
     return [
-        {"model": model, "path": path, "status": "ok", "reason": "", "key": digest_file(path)}
-        for model, path in zip(models, meshes, strict=True)
+        {"model": model, "path": path, "status": "ok", "reason": "", "key": digest_mesh(path)}
+        for model, path in zip(models, paths, strict=True)
     ]
 
 
