@@ -1,5 +1,7 @@
 # make run     the workflow on data/meshes, which is filled with examples if it is empty
 # make test    the tests
+# make lint    what holds of the text of the code: format, rules, types, imports between rooms
+# make tables  docs/tables.md, after a change of the schemas
 # make lock    pin what is installed in .venv, after a change of pyproject.toml
 # make clean   remove the environment and what was compiled, never results
 #
@@ -11,7 +13,7 @@ VENV := .venv
 BIN := $(VENV)/bin
 READY := $(VENV)/.ready
 
-.PHONY: run test lock clean
+.PHONY: run test lint tables lock clean
 
 run: $(READY) data/meshes
 	$(BIN)/snakemake --cores $(CORES)
@@ -20,6 +22,15 @@ run: $(READY) data/meshes
 
 test: $(READY)
 	$(BIN)/python -m pytest -n $(CORES) --dist loadfile
+
+# snakemake --lint parses the workflow, which wants a folder with a mesh.
+lint: $(READY) data/meshes
+	$(BIN)/ruff format --check .
+	$(BIN)/ruff check .
+	$(BIN)/snakefmt --check Snakefile workflow
+	$(BIN)/snakemake --lint
+	$(BIN)/mypy
+	PYTHONPATH=workflow/scripts $(BIN)/lint-imports
 
 # The environment follows the lock whenever that is newer.
 $(READY): requirements.lock
@@ -35,8 +46,11 @@ data/meshes: | $(READY)
 	$(BIN)/python workflow/scripts/make_examples.py data/meshes.part
 	mv data/meshes.part data/meshes
 
+tables: $(READY)
+	$(BIN)/python docs/make_tables.py
+
 lock: $(READY)
-	$(BIN)/python -m pip install --quiet --upgrade --upgrade-strategy only-if-needed -e .[test]
+	$(BIN)/python -m pip install --quiet --upgrade --upgrade-strategy only-if-needed -e .[formats,workflow,test]
 	$(BIN)/python .ci/lock.py > requirements.lock.part
 	mv requirements.lock.part requirements.lock
 	touch $(READY)

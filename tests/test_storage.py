@@ -1,6 +1,9 @@
 """Files that the stages hand on: whole, declared, keyed, readable elsewhere."""
 
 import json
+import subprocess
+import sys
+from pathlib import Path
 
 import geopandas
 import numpy as np
@@ -10,7 +13,8 @@ import pytest
 import shapely
 
 from corpus.storage import content_key, read_json, read_key, read_table, write_json, write_parquet, write_table
-from reebslice.schemas import FORMAT_VERSION, SCHEMAS, build_table
+from reebslice.schemas import FORMAT_VERSION, SCHEMAS
+from reebslice.table_checks import build_table
 
 TRIANGLE = shapely.LineString([(0, 0), (1, 0), (0, 1), (0, 0)])
 
@@ -88,3 +92,11 @@ def test_json_refuses_what_is_not_finite_and_says_where(tmp_path, bad):
         write_json(tmp_path / "facts.json", {"tilt": {"margin": bad}})
     assert read_json(tmp_path / "facts.json") == {"old": 1}
     assert [path.name for path in tmp_path.iterdir()] == ["facts.json"]
+
+
+def test_every_column_says_what_it_is_and_the_page_of_tables_says_the_same():
+    for name, schema in SCHEMAS.items():
+        assert schema.metadata[b"description"].endswith(b"."), name
+        assert all(field.metadata[b"description"].endswith(b".") for field in schema), name
+    script = Path(__file__).parents[1] / "docs" / "make_tables.py"
+    assert subprocess.run([sys.executable, script, "--check"]).returncode == 0, "run make tables"

@@ -8,10 +8,11 @@ from corpus.surfaces import read_faces, read_points, vertex_bodies
 from reebslice.links.comparison import compare_rules, model_half
 from reebslice.morse.height_mesh import order_by_height
 from reebslice.morse.unfolding import unfold_saddles
-from reebslice.schemas import SCHEMAS, build_table
+from reebslice.schemas import SCHEMAS
 from reebslice.slicing.levels import make_levels, uniform_heights
 from reebslice.slicing.slices import cut_surface
 from reebslice.slicing.tables import contours_table, pieces_table
+from reebslice.table_checks import build_table
 from reebslice.tilt.choice import select_tilt
 
 OUTPUTS = ("comparison.parquet",)

@@ -16,7 +16,8 @@ from pathlib import Path
 import pyarrow as pa
 import pyarrow.parquet as pq
 
-from reebslice.schemas import FORMAT_VERSION, SCHEMAS, check_nulls, check_schema, check_table
+from reebslice.schemas import FORMAT_VERSION, SCHEMAS
+from reebslice.table_checks import check_nulls, check_schema, check_table
 
 KEY = b"reebslice:content_key"
 TABLE = b"reebslice:table"

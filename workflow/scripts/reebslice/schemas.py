@@ -1,9 +1,10 @@
 """Every table and vocabulary that the stages hand on, declared once.
 
-A table is a `pyarrow.Table`; :func:`build_table` makes one from columns and
-:func:`check_table` refuses one that does not match its declaration. Units are
-stated per column, in words, because the meshes themselves carry none:
-`mesh` is the length unit of the input file.
+A table is a `pyarrow.Table`; :mod:`.table_checks` makes one from columns and
+refuses one that does not match its declaration. Every column has a unit, where
+it has one, and a description, which go into the metadata of Parquet fields and
+into docs/tables.md. The unit `mesh` is the length unit of the input file, which
+inspection.json names where the format has one.
 """
 
 import pyarrow as pa
@@ -45,292 +46,248 @@ _INTS = pa.list_(pa.int32())
 _REAL = pa.float64()
 _FLAG = pa.bool_()
 _TEXT = pa.string()
+_WKB = pa.binary()
 
 
-def _field(name, kind, unit="", null=False):
-    return pa.field(name, kind, nullable=null, metadata={"unit": unit} if unit else None)
+def _column(name, kind, description, unit="", null=False):
+    """Declare a column."""
+    metadata = {"description": description} | ({"unit": unit} if unit else {})
+    return pa.field(name, kind, nullable=null, metadata=metadata)
 
 
-def _table(key, *fields):
-    return pa.schema(fields, metadata={"reebslice:primary_key": key})
+def _table(key, description, *columns):
+    """Declare a table by its primary key, what a row of it is, and its columns."""
+    metadata = {"reebslice:primary_key": key, "description": description}
+    return pa.schema([_column(*column[:3], **dict(column[3:])) for column in columns], metadata=metadata)
 
 
 SCHEMAS = {
-    # The cleaned surface, model frame. Vertices in lexicographic order of
-    # position, faces counter-clockwise seen from outside the material.
     "vertices": _table(
         "row",
-        _field("x", _REAL, "mesh"),
-        _field("y", _REAL, "mesh"),
-        _field("z", _REAL, "mesh"),
+        "A vertex of the cleaned surface, model frame; in lexicographic order of position.",
+        ("x", _REAL, "First coordinate.", ("unit", "mesh")),
+        ("y", _REAL, "Second coordinate.", ("unit", "mesh")),
+        ("z", _REAL, "Third coordinate.", ("unit", "mesh")),
     ),
     "faces": _table(
         "row",
-        _field("a", _INT),
-        _field("b", _INT),
-        _field("c", _INT),
-        _field("shell", _INT),
+        "A triangle of the cleaned surface, counter-clockwise seen from outside the material.",
+        ("a", _INT, "Row of its first corner in `vertices`."),
+        ("b", _INT, "Row of its second corner."),
+        ("c", _INT, "Row of its third corner."),
+        ("shell", _INT, "Shell that it belongs to."),
     ),
-    # One row per connected component of the surface. A body is a shell of
-    # positive volume with the voids directly inside it; `parent` is the
-    # smallest shell around this one.
     "shells": _table(
         "shell",
-        _field("shell", _INT),
-        _field("body", _INT),
-        _field("parent", _INT, null=True),
-        _field("void", _FLAG),
-        _field("n_vertices", _INT),
-        _field("n_faces", _INT),
-        _field("euler_characteristic", _INT),
-        _field("genus", _INT),
-        _field("area", _REAL, "mesh^2"),
-        _field("volume", _REAL, "mesh^3"),
+        "A connected component of the surface.",
+        ("shell", _INT, "Id of the shell."),
+        ("body", _INT, "Body that it bounds: a shell of positive volume with the voids inside it."),
+        ("parent", _INT, "Smallest shell around it; null outside all others.", ("null", True)),
+        ("void", _FLAG, "Whether material is outside it."),
+        ("n_vertices", _INT, "Vertices."),
+        ("n_faces", _INT, "Triangles."),
+        ("euler_characteristic", _INT, "Vertices - mesh edges + triangles."),
+        ("genus", _INT, "Handles: (2 - Euler characteristic) / 2."),
+        ("area", _REAL, "Area.", ("unit", "mesh^2")),
+        ("volume", _REAL, "Signed volume; negative for a void.", ("unit", "mesh^3")),
     ),
-    # `vertices_below` defines the level: the number of vertices below it in
-    # the order of heights (ties broken by tilted x, then y). `tie_x`, `tie_y`
-    # say where, inside a flat at exactly this height, the infinitesimally
-    # tilted plane runs; null where no vertex has the level's height above it.
     "levels": _table(
         "level",
-        _field("level", _INT),
-        _field("height", _REAL, "mesh"),
-        _field("vertices_below", _INT),
-        _field("tie_x", _REAL, "mesh", null=True),
-        _field("tie_y", _REAL, "mesh", null=True),
-        _field("n_contours", _INT),
-        _field("n_regions", _INT),
-        _field("why", _TEXT),
+        "A cutting plane.",
+        ("level", _INT, "Id of the level, upward."),
+        ("height", _REAL, "Height of the plane.", ("unit", "mesh")),
+        (
+            "vertices_below",
+            _INT,
+            "Vertices below it in the order of heights (ties by tilted x, then y): this defines the level.",
+        ),
+        (
+            "tie_x",
+            _REAL,
+            "Tilted x at which the level runs through a flat of its height; null where no flat is.",
+            ("unit", "mesh"),
+            ("null", True),
+        ),
+        ("tie_y", _REAL, "Tilted y for that.", ("unit", "mesh"), ("null", True)),
+        ("n_contours", _INT, "Contours at the level."),
+        ("n_regions", _INT, "Regions at the level."),
+        ("why", _TEXT, "`uniform`: one of the equispaced levels; `refined`: added to tell events apart."),
     ),
-    # `n_points` counts the mesh edges that the contour crosses; `geometry` is
-    # the closed curve through the crossing points, coinciding neighbours
-    # dropped. `lower_vertex`, `upper_vertex`: the surface vertices of one of
-    # those mesh edges, upward; they anchor the contour on the mesh.
     "contours": _table(
         "contour",
-        _field("level", _INT),
-        _field("contour", _INT),
-        _field("height", _REAL, "mesh"),
-        _field("shell", _INT),
-        _field("region", _INT),
-        _field("inner", _FLAG),
-        _field("parent", _INT, null=True),
-        _field("signed_area", _REAL, "mesh^2"),
-        _field("perimeter", _REAL, "mesh"),
-        _field("n_points", _INT),
-        _field("lower_vertex", _INT),
-        _field("upper_vertex", _INT),
-        _field("geometry", pa.binary(), "mesh, tilted frame (WKB closed line string)"),
+        "A closed curve of a level set: a point of the Reeb graph of the surface.",
+        ("level", _INT, "Level."),
+        ("contour", _INT, "Id of the contour, unique in the model."),
+        ("height", _REAL, "Height of its level.", ("unit", "mesh")),
+        ("shell", _INT, "Shell that it lies on."),
+        ("region", _INT, "Region that it bounds."),
+        ("inner", _FLAG, "Whether it bounds a hole of the region."),
+        ("parent", _INT, "Smallest contour around it; null outside all others.", ("null", True)),
+        ("signed_area", _REAL, "Area inside; negative for a hole.", ("unit", "mesh^2")),
+        ("perimeter", _REAL, "Length.", ("unit", "mesh")),
+        ("n_points", _INT, "Mesh edges that it crosses."),
+        ("lower_vertex", _INT, "Lower vertex of one of those mesh edges, which anchors the contour on the mesh."),
+        ("upper_vertex", _INT, "Upper vertex of that mesh edge."),
+        (
+            "geometry",
+            _WKB,
+            "The closed curve, material on its left; coordinates of the TILTED frame.",
+            ("unit", "mesh, tilted frame (WKB closed line string)"),
+        ),
     ),
-    # `block`: the connected component of the solid in the slab that the piece
-    # bounds (unique in the model). `area`: of the surface in the slab. `flux`: the piece's share of the
-    # volume of the solid in the slab. `critical`: the surface vertices of its
-    # essential critical points, in order of height; `critical_ranks`: their
-    # ranks once multiple saddles are unfolded, which tell copies apart.
     "pieces": _table(
         "piece",
-        _field("slab", _INT),
-        _field("piece", _INT),
-        _field("shell", _INT),
-        _field("block", _INT),
-        _field("n_below", _INT),
-        _field("n_above", _INT),
-        _field("below", _INTS),
-        _field("above", _INTS),
-        _field("euler_characteristic", _INT),
-        _field("genus", _INT),
-        _field("kind", _TEXT),
-        _field("area", _REAL, "mesh^2"),
-        _field("flux", _REAL, "mesh^3"),
-        _field("critical", _INTS),
-        _field("critical_ranks", _INTS),
+        "A connected component of the surface between two consecutive levels.",
+        ("slab", _INT, "Slab: the id of the level below it; -1 below the lowest."),
+        ("piece", _INT, "Id of the piece."),
+        ("shell", _INT, "Shell that it is part of."),
+        ("block", _INT, "Block: the component of the solid in the slab that it bounds, unique in the model."),
+        ("n_below", _INT, "Contours that bound it from below."),
+        ("n_above", _INT, "Contours that bound it from above."),
+        ("below", _INTS, "Those contours below."),
+        ("above", _INTS, "Those contours above."),
+        ("euler_characteristic", _INT, "Sum of the indices of its vertices."),
+        ("genus", _INT, "Handles inside the slab, which the contours do not show."),
+        (
+            "kind",
+            _TEXT,
+            "`cylinder`, `birth`, `death`, `join`, `split`; `compound` or `unseen` where it is not elementary.",
+        ),
+        ("area", _REAL, "Area of the surface in the slab.", ("unit", "mesh^2")),
+        ("flux", _REAL, "Share of the volume of the solid in the slab.", ("unit", "mesh^3")),
+        ("critical", _INTS, "Surface vertices of its essential critical points, in order of height."),
+        ("critical_ranks", _INTS, "Their ranks once multiple saddles are unfolded, which tell copies apart."),
     ),
-    # One row per Morse event, in order of height; `vertex` is the surface
-    # vertex, `rank` its place among all vertices once multiple saddles are
-    # unfolded. `regions_below`, `regions_above`: those of the block.
-    # `branches`: the event changes the number of regions. `persistence`: the
-    # height between the two members of its pair (table `critical_points`);
-    # `pair`: the other one, null where that is no handle because it cancels
-    # inside a slab. `resolved`: the piece is elementary.
     "handles": _table(
         "handle",
-        _field("handle", _INT),
-        _field("slab", _INT),
-        _field("piece", _INT),
-        _field("block", _INT),
-        _field("vertex", _INT),
-        _field("rank", _INT),
-        _field("height", _REAL, "mesh"),
-        _field("x", _REAL, "mesh"),
-        _field("y", _REAL, "mesh"),
-        _field("z", _REAL, "mesh"),
-        _field("index", _INT),
-        _field("side", _TEXT),
-        _field("operation", _TEXT),
-        _field("change", _TEXT, null=True),
-        _field("contours_below", _INTS),
-        _field("contours_above", _INTS),
-        _field("regions_below", _INTS),
-        _field("regions_above", _INTS),
-        _field("branches", _FLAG),
-        _field("persistence", _REAL, "mesh"),
-        _field("pair", _INT, null=True),
-        _field("resolved", _FLAG),
+        "A Morse event: a handle attached, in order of height.",
+        ("handle", _INT, "Id of the handle."),
+        ("slab", _INT, "Slab in which it happens."),
+        ("piece", _INT, "Piece that holds it."),
+        ("block", _INT, "Block that holds it."),
+        ("vertex", _INT, "Its vertex, a row of `vertices`."),
+        ("rank", _INT, "Place of the vertex in the order of heights once multiple saddles are unfolded."),
+        ("height", _REAL, "Height of the vertex.", ("unit", "mesh")),
+        ("x", _REAL, "Its first coordinate, model frame.", ("unit", "mesh")),
+        ("y", _REAL, "Its second coordinate.", ("unit", "mesh")),
+        ("z", _REAL, "Its third coordinate.", ("unit", "mesh")),
+        ("index", _INT, "Index of the critical point: minimum 0, saddle 1, maximum 2."),
+        ("side", _TEXT, "`A`: material appears as the height rises; `B`: void does."),
+        ("operation", _TEXT, "`creation`, `union`, `separation` or `annihilation` of contours."),
+        (
+            "change",
+            _TEXT,
+            "What becomes of outer (o) and inner (i) contours, such as `o->i,o`; null where it is not resolved.",
+            ("null", True),
+        ),
+        ("contours_below", _INTS, "Contours below the event."),
+        ("contours_above", _INTS, "Contours above it."),
+        ("regions_below", _INTS, "Regions below its block."),
+        ("regions_above", _INTS, "Regions above its block."),
+        ("branches", _FLAG, "Whether the number of regions changes."),
+        ("persistence", _REAL, "Height between the two members of its pair in `critical_points`.", ("unit", "mesh")),
+        ("pair", _INT, "Handle of the other member; null where that one cancels inside a slab.", ("null", True)),
+        ("resolved", _FLAG, "Whether its piece holds no other event."),
     ),
-    # The exact Reeb graph of the surface, whatever the levels: every critical
-    # point once multiple saddles are unfolded, in order of height, with its
-    # partner by extended persistence. `pairing`: `ordinary`, a component of a
-    # sublevel set between its minimum and the union that ends it; `relative`,
-    # one of a superlevel set between separation and maximum; `loop`, between
-    # the separation at its bottom and the union at its top; `extended`, the
-    # lowest and the highest point of a shell. `handle`: null where the critical
-    # point cancels inside a slab.
     "critical_points": _table(
         "critical",
-        _field("critical", _INT),
-        _field("vertex", _INT),
-        _field("rank", _INT),
-        _field("height", _REAL, "mesh"),
-        _field("index", _INT),
-        _field("partner", _INT),
-        _field("pairing", _TEXT),
-        _field("persistence", _REAL, "mesh"),
-        _field("handle", _INT, null=True),
+        "A critical point of the height, whatever the levels; a node of the exact Reeb graph of the surface.",
+        ("critical", _INT, "Id, in order of height; multiple saddles are unfolded into several."),
+        ("vertex", _INT, "Its vertex, a row of `vertices`."),
+        ("rank", _INT, "Place of the vertex in the order of heights once multiple saddles are unfolded."),
+        ("height", _REAL, "Height.", ("unit", "mesh")),
+        ("index", _INT, "Minimum 0, saddle 1, maximum 2."),
+        ("partner", _INT, "The other member of its extended persistence pair."),
+        (
+            "pairing",
+            _TEXT,
+            "`ordinary`: minimum and the union that ends its component; `relative`: the mirror of that; "
+            "`loop`: its bottom and top; `extended`: lowest and highest point of a shell.",
+        ),
+        ("persistence", _REAL, "Height between the two.", ("unit", "mesh")),
+        ("handle", _INT, "The handle of the same event; null where it cancels inside a slab.", ("null", True)),
     ),
-    # Its arcs; `source`, `target`: critical points, the lower first.
     "critical_arcs": _table(
         "arc",
-        _field("arc", _INT),
-        _field("source", _INT),
-        _field("target", _INT),
-        _field("lower", _REAL, "mesh"),
-        _field("upper", _REAL, "mesh"),
+        "An arc of the exact Reeb graph of the surface.",
+        ("arc", _INT, "Id of the arc."),
+        ("source", _INT, "Critical point at its lower end."),
+        ("target", _INT, "Critical point at its upper end."),
+        ("lower", _REAL, "Height of the lower end.", ("unit", "mesh")),
+        ("upper", _REAL, "Height of the upper end.", ("unit", "mesh")),
     ),
-    # One material point per region per level; node id == region id.
     "nodes": _table(
         "node",
-        _field("node", _INT),
-        _field("level", _INT),
-        _field("region", _INT),
-        _field("height", _REAL, "mesh"),
-        _field("x", _REAL, "mesh"),
-        _field("y", _REAL, "mesh"),
-        _field("z", _REAL, "mesh"),
-        _field("critical", _FLAG),
-        _field("area", _REAL, "mesh^2"),
-        _field("inscribed_radius", _REAL, "mesh"),
-        _field("n_holes", _INT),
+        "A material point: one per region and level.",
+        ("node", _INT, "Id of the node, equal to its region."),
+        ("level", _INT, "Level."),
+        ("region", _INT, "Region."),
+        ("height", _REAL, "Height of its level.", ("unit", "mesh")),
+        ("x", _REAL, "First coordinate, model frame.", ("unit", "mesh")),
+        ("y", _REAL, "Second coordinate.", ("unit", "mesh")),
+        ("z", _REAL, "Third coordinate.", ("unit", "mesh")),
+        ("critical", _FLAG, "Whether an event happens in the block above or below."),
+        ("area", _REAL, "Area of the region.", ("unit", "mesh^2")),
+        ("inscribed_radius", _REAL, "Distance from the point to the boundary of the region.", ("unit", "mesh")),
+        ("n_holes", _INT, "Holes of the region."),
     ),
-    # Links of consecutive levels, from the lower region to the upper one.
     "edges": _table(
         "edge",
-        _field("edge", _INT),
-        _field("source", _INT),
-        _field("target", _INT),
-        _field("slab", _INT),
-        _field("handle", _INT, null=True),
-        _field("operation", _TEXT),
-        _field("similarity", _REAL),
-        _field("area_source", _REAL, "mesh^2"),
-        _field("area_target", _REAL, "mesh^2"),
-        _field("area_intersection", _REAL, "mesh^2"),
-        _field("area_union", _REAL, "mesh^2"),
-        _field("linked", _FLAG),
-        _field("method", _TEXT),
+        "A link between material points of consecutive levels.",
+        ("edge", _INT, "Id of the edge."),
+        ("source", _INT, "Node at its lower end."),
+        ("target", _INT, "Node at its upper end."),
+        ("slab", _INT, "Slab between them."),
+        ("handle", _INT, "Handle in the block between them; null on a plain continuation.", ("null", True)),
+        ("operation", _TEXT, "Operation of that handle, or `continuation`."),
+        ("similarity", _REAL, "Area of the intersection of both regions over that of their union."),
+        ("area_source", _REAL, "Area of the lower region.", ("unit", "mesh^2")),
+        ("area_target", _REAL, "Area of the upper region.", ("unit", "mesh^2")),
+        ("area_intersection", _REAL, "Area that both share.", ("unit", "mesh^2")),
+        ("area_union", _REAL, "Area of both together.", ("unit", "mesh^2")),
+        ("linked", _FLAG, "Whether the mesh links the two regions."),
+        ("method", _TEXT, "`exact`, `similarity` or `proximity`: what made the link."),
     ),
-    # Edges of the Reeb graphs. `source`, `target`: handles, the lower first.
-    # `nodes`: region ids (solid) or contour ids (surface), upward. `bounds`: arcs
-    # of the other graph: for an arc of the solid the surface arcs around it, the
-    # outer one first; for a surface arc the solid arcs it lies around, upward.
     "arcs": _table(
         "graph, arc",
-        _field("arc", _INT),
-        _field("graph", _TEXT),
-        _field("source", _INT),
-        _field("target", _INT),
-        _field("lower", _REAL, "mesh"),
-        _field("upper", _REAL, "mesh"),
-        _field("length", _REAL, "mesh"),
-        _field("volume", _REAL, "mesh^3", null=True),
-        _field("area", _REAL, "mesh^2", null=True),
-        _field("nodes", _INTS),
-        _field("bounds", _INTS),
-        _field("similarity_min", _REAL, null=True),
+        "An edge of a Reeb graph: a chain of links between two events.",
+        ("arc", _INT, "Id of the arc in its graph."),
+        ("graph", _TEXT, "`solid` or `surface`."),
+        ("source", _INT, "Handle at its lower end."),
+        ("target", _INT, "Handle at its upper end."),
+        ("lower", _REAL, "Height of the lower end.", ("unit", "mesh")),
+        ("upper", _REAL, "Height of the upper end.", ("unit", "mesh")),
+        ("length", _REAL, "Length of the path through its nodes.", ("unit", "mesh")),
+        ("volume", _REAL, "Volume of material along it; null for the surface.", ("unit", "mesh^3"), ("null", True)),
+        ("area", _REAL, "Area of surface along it; null for the solid.", ("unit", "mesh^2"), ("null", True)),
+        ("nodes", _INTS, "Regions (solid) or CONTOURS (surface) along it, upward."),
+        (
+            "bounds",
+            _INTS,
+            "Arcs of the other graph: those around an arc of the solid, outer first; those that a surface arc bounds.",
+        ),
+        ("similarity_min", _REAL, "Smallest similarity of its links; null without links.", ("null", True)),
     ),
-    # Links guessed from shapes, held against those of the mesh: one row per
-    # model, tilt, number of levels, rule and kind of event; kind `all` counts
-    # every block once. `half`: what is tuned is tuned on the one half of the
-    # models and told of the other. `blocks`, `slabs`: those in which the kind
-    # occurs, and how many of them have neither a missed nor a false link;
-    # `loops`, `loops_found`: of the solid graph by either links, of kind `all`.
     "comparison": _table(
         "model, tilt, n_levels, method, kind",
-        _field("model", _TEXT),
-        _field("half", _TEXT),
-        _field("tilt", _TEXT),
-        _field("n_levels", _INT),
-        _field("method", _TEXT),
-        _field("kind", _TEXT),
-        _field("links", _INT),
-        _field("links_missed", _INT),
-        _field("links_false", _INT),
-        _field("blocks", _INT),
-        _field("blocks_right", _INT),
-        _field("slabs", _INT),
-        _field("slabs_right", _INT),
-        _field("loops", _INT, null=True),
-        _field("loops_found", _INT, null=True),
+        "Links guessed from shapes, held against those of the mesh.",
+        ("model", _TEXT, "Model."),
+        ("half", _TEXT, "Rules are tuned on the models of one half and reported on the other."),
+        ("tilt", _TEXT, "`none`, `auto` or `random`."),
+        ("n_levels", _INT, "Uniform levels."),
+        ("method", _TEXT, "Rule that guesses links."),
+        ("kind", _TEXT, "Kind of event in the block; `all` counts every block once."),
+        ("links", _INT, "Links of the mesh."),
+        ("links_missed", _INT, "Those that the rule misses."),
+        ("links_false", _INT, "Links of the rule that the mesh does not have."),
+        ("blocks", _INT, "Blocks in which the kind occurs."),
+        ("blocks_right", _INT, "Those without a fault."),
+        ("slabs", _INT, "Slabs in which the kind occurs."),
+        ("slabs_right", _INT, "Those without a fault."),
+        ("loops", _INT, "Loops of the solid graph by the mesh; of kind `all` only.", ("null", True)),
+        ("loops_found", _INT, "Loops by the rule; of kind `all` only.", ("null", True)),
     ),
 }
 
 # The others are over the whole corpus.
 MODEL_TABLES = tuple(name for name in SCHEMAS if name != "comparison")
-
-
-def build_table(name, columns):
-    """Make the table `name` from a mapping of column name to array or list.
-
-    Raises ValueError, naming the table and the column, when a column is
-    missing, unknown or cannot be stored losslessly in its declared type.
-    """
-    schema = SCHEMAS[name]
-    missing = [field.name for field in schema if field.name not in columns]
-    unknown = [column for column in columns if column not in schema.names]
-    if missing or unknown:
-        raise ValueError(f"table {name}: missing columns {missing}, unknown columns {unknown}")
-    arrays = []
-    for field in schema:
-        try:
-            arrays.append(pa.array(columns[field.name], type=field.type))
-        except (pa.ArrowInvalid, pa.ArrowTypeError) as error:
-            raise ValueError(f"table {name}, column {field.name}: {error}") from error
-    table = pa.Table.from_arrays(arrays, schema=schema)
-    check_table(name, table)
-    return table
-
-
-def check_table(name, table, without=()):
-    """Raise ValueError unless `table` has exactly the columns declared for `name`, but for those `without`.
-
-    Types and order are compared, and a null in a column that admits none is
-    an error. Metadata of the file (content key, GeoParquet) are not compared.
-    """
-    check_schema(name, table.schema, without)
-    check_nulls(name, table)
-
-
-def check_schema(name, schema, without=()):
-    """Raise ValueError unless `schema` has exactly the columns declared for `name`, in order, but for `without`."""
-    expected = pa.schema([field for field in SCHEMAS[name] if field.name not in without])
-    if not schema.equals(expected, check_metadata=False):
-        raise ValueError(
-            f"table {name} does not match its schema:\nfound\n{schema.to_string(show_schema_metadata=False)}"
-            f"\nexpected\n{expected.to_string(show_schema_metadata=False)}"
-        )
-
-
-def check_nulls(name, table):
-    """Raise ValueError if a column that admits no null holds one; `table` may lack columns."""
-    for column in table.column_names:
-        if not SCHEMAS[name].field(column).nullable and table[column].null_count:
-            raise ValueError(f"table {name}, column {column}: holds nulls, and may not")

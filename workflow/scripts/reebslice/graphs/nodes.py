@@ -6,8 +6,8 @@ from numba import njit
 
 from ..planar.circles import clearances, largest_circles, nearest_point
 from ..planar.outlines import measure_outlines, outline_polygons
-from ..schemas import build_table
 from ..slicing.tables import block_regions, region_levels, region_outlines
+from ..table_checks import build_table
 
 SAMPLERS = ("inscribed", "representative", "centroid")
 

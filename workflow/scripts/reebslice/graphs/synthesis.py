@@ -10,8 +10,8 @@ from ..formats.graphml import Graph
 from ..links.similarity import boolean_similarity, link_by_proximity, link_by_similarity
 from ..planar.curves import curve_centres
 from ..planar.outlines import outline_polygons
-from ..schemas import build_table
 from ..slicing.tables import block_regions, contour_outlines, region_levels, region_outlines
+from ..table_checks import build_table
 from .arcs import arc_columns, bounding_arcs, trace_arcs
 from .parts import linked_parts, solid_parts, surface_parts
 from .reeb_graphs import augmented_graph, reeb_graph, simplified_graph

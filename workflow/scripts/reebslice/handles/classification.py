@@ -3,8 +3,9 @@
 import numpy as np
 
 from ..morse.critical_points import morse_indices
-from ..schemas import EVENTS, build_table
+from ..schemas import EVENTS
 from ..slicing.tables import block_regions
+from ..table_checks import build_table
 from .sides import link_areas, saddle_contours
 
 

@@ -8,7 +8,7 @@ import numpy as np
 from numba import njit
 
 from ..errors import NotASolidError, UnionError
-from ..schemas import build_table
+from ..table_checks import build_table
 from . import unions
 from .orders import sort_faces
 from .repairs import REPAIRS, clean_surface

@@ -7,7 +7,7 @@ from ..arrays.grouping import split_into_blocks
 from ..formats.wkb import pack_curves, unpack_curves
 from ..planar.curves import pick_curves
 from ..planar.outlines import Outlines, mend_outlines
-from ..schemas import build_table
+from ..table_checks import build_table
 
 POINTS_AT_ONCE = 1 << 18  # of contours packed together: 4 MB of them, which stay in a cache
 

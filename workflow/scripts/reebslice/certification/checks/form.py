@@ -9,7 +9,8 @@ from types import SimpleNamespace
 import numpy as np
 import pyarrow as pa
 
-from ...schemas import EVENTS, GRAPHS, MODEL_TABLES, OPERATIONS, PAIRINGS, PIECE_KINDS, check_table
+from ...schemas import EVENTS, GRAPHS, MODEL_TABLES, OPERATIONS, PAIRINGS, PIECE_KINDS
+from ...table_checks import check_table
 from ..graphml import ReadGraph
 
 KEYS = {name: name[:-1] for name in ("shells", "levels", "contours", "pieces", "handles", "nodes", "edges")} | {
