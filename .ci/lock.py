@@ -1,4 +1,4 @@
-"""Print requirements.lock: what is installed of pyproject.toml's dependencies and of theirs."""
+"""Print requirements.lock: what is installed of pyproject.toml's dependencies, extras included, and of theirs."""
 
 import re
 import tomllib
@@ -30,5 +30,7 @@ def pin_closure(requirements):
 if __name__ == "__main__":
     project = tomllib.loads((Path(__file__).parent.parent / "pyproject.toml").read_text())["project"]
     print("# Every package of the environment that `make` creates, pinned. Made by `make lock`; do not edit.")
-    for name, version in pin_closure(project["dependencies"] + project["optional-dependencies"]["test"]).items():
+    extras = project["optional-dependencies"].values()
+    stated = [line for lines in (project["dependencies"], *extras) for line in lines]
+    for name, version in pin_closure([line for line in stated if not line.startswith(project["name"])]).items():
         print(f"{name}=={version}")

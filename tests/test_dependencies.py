@@ -12,7 +12,11 @@ from packaging.requirements import Requirement
 
 ROOT = Path(__file__).parent.parent
 PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]
-OF_TESTS = PROJECT["optional-dependencies"]["test"]
+EXTRAS = {
+    name: [line for line in lines if not line.startswith(PROJECT["name"])]
+    for name, lines in PROJECT["optional-dependencies"].items()
+}
+OF_RUNS = PROJECT["dependencies"] + EXTRAS["formats"] + EXTRAS["workflow"]
 # Conda has some packages under other names.
 CONDA_NAMES = {"matplotlib-base": "matplotlib", "python-igraph": "igraph", "snakemake-minimal": "snakemake"}
 
@@ -50,11 +54,11 @@ def test_conda_states_the_same():
     conda = {CONDA_NAMES.get(name, name): specifier for name, specifier in stated(lines).items()}
     assert conda.pop("python") == PROJECT["requires-python"]
     conda.pop("pip")
-    assert conda == stated(PROJECT["dependencies"] + OF_TESTS)
+    assert conda == stated(OF_RUNS + EXTRAS["test"])
 
 
 def test_lock_pins_what_is_asked_for():
-    for line in PROJECT["dependencies"] + OF_TESTS:
+    for line in OF_RUNS + EXTRAS["test"]:
         requirement = Requirement(line)
         assert requirement.specifier.contains(pins()[canonical(requirement.name)]), line
 
@@ -70,8 +74,8 @@ def test_lock_is_complete():
 
 def test_everything_imported_is_stated():
     provider = metadata.packages_distributions()
-    stated_for_runs = set(stated(PROJECT["dependencies"]))
-    for folder, allowed in (("workflow", stated_for_runs), ("tests", stated_for_runs | set(stated(OF_TESTS)))):
+    stated_for_runs = set(stated(OF_RUNS))
+    for folder, allowed in (("workflow", stated_for_runs), ("tests", stated_for_runs | set(stated(EXTRAS["test"])))):
         own = {path.stem for path in ROOT.glob("workflow/scripts/*")} | {path.stem for path in ROOT.glob("tests/*")}
         for name in imported(folder) - own - set(sys.stdlib_module_names):
             found = {canonical(distribution) for distribution in provider.get(name, [name])}
