@@ -1,0 +1,154 @@
+"""The public door: what `import reebslice` gives, what it checks, and where it works."""
+
+import ast
+import os
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+from types import SimpleNamespace
+
+import networkx
+import numpy as np
+import pytest
+
+import reebslice
+import solids
+from reebslice.errors import NotASolidError, ReebsliceError
+from reebslice.schemas import SCHEMAS
+
+SCRIPTS = Path(__file__).parents[1] / "workflow" / "scripts"
+CORE = {"numba", "numpy", "pyarrow", "scipy", "shapely"}
+BALL = solids.icosphere(2)
+
+
+def test_every_exported_name_is_there_and_stubs_say_the_same():
+    stub = ast.parse((SCRIPTS / "reebslice" / "__init__.pyi").read_text())
+    told = {alias.asname: f".{node.module}" for node in stub.body if isinstance(node, ast.ImportFrom) for alias in node.names}
+    homes = {name: f".{home}" for name, home in reebslice._HOMES.items()}
+    assert told == homes | {"errors": ".None"}
+    assert all(getattr(reebslice, name) is not None for name in reebslice.__all__)
+    assert set(reebslice.__all__) == set(dir(reebslice))
+    assert reebslice.SCHEMAS is SCHEMAS
+    with pytest.raises(AttributeError, match="no attribute 'slice'; it exports Contours, "):
+        _ = reebslice.slice
+
+
+def run_python(script, **environment):
+    """What a new interpreter prints that sees the library and nothing else of the project."""
+    done = subprocess.run(
+        [sys.executable, "-c", script], capture_output=True, text=True, env=os.environ | {"PYTHONPATH": str(SCRIPTS)} | environment
+    )
+    assert done.returncode == 0, done.stderr
+    return done.stdout
+
+
+def test_importing_loads_nothing_else():
+    loaded = run_python("import sys, reebslice; print(*sys.modules)").split()
+    assert not CORE & set(loaded) and [name for name in loaded if name.startswith("reebslice")] == ["reebslice"]
+
+
+def test_the_library_runs_with_its_own_dependencies_alone():
+    """What extras bring (Snakemake, pandas, trimesh, matplotlib, ...) is hidden from the interpreter."""
+    script = f"""
+import sys
+from importlib import metadata
+keep = {CORE | {"llvmlite", "pip", "setuptools"}!r}
+hidden = {{top for top, owners in metadata.packages_distributions().items() if not keep & {{o.lower() for o in owners}}}}
+class Hide:
+    @staticmethod
+    def find_spec(name, path=None, target=None):
+        if name.split(".")[0] in hidden:
+            raise ModuleNotFoundError(f"No module named {{name!r}}", name=name)
+sys.meta_path.insert(0, Hide)
+import numpy as np, reebslice
+points = np.array([[0, 0, 0], [1, 0, 0.1], [0, 1, 0.2], [0, 0, 1]], float)
+faces = np.array([[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]])
+for graph in reebslice.exact_graphs(points, faces):
+    print(len(graph.vertex), len(graph.arcs))
+tables, record = reebslice.inspect_surface(points[faces].reshape(-1, 3), np.arange(12).reshape(-1, 3))
+print(record["status"], tables["vertices"].num_rows)
+"""
+    assert run_python(script).split() == ["2", "1", "2", "1", "repaired", "4"]
+
+
+@pytest.mark.skipif(os.geteuid() != 0, reason="only root can become a user who may write nowhere")
+def test_it_imports_and_runs_where_nothing_is_writable(tmp_path):
+    folder = Path(subprocess.check_output(["mktemp", "-d"], text=True).strip())
+    try:
+        shutil.copytree(SCRIPTS / "reebslice", folder / "reebslice", ignore=shutil.ignore_patterns("__pycache__"))
+        folder.chmod(0o755)
+        script = "from reebslice.arrays.sorting import sort_stably; import numpy; print(sort_stably((numpy.array([1, 0]), 2)))"
+        done = subprocess.run(
+            [sys.executable, "-B", "-c", script],
+            capture_output=True, text=True, user=65534, group=65534, cwd="/", extra_groups=[],
+            env={"PYTHONPATH": str(folder), "HOME": "/nonexistent", "PATH": os.environ["PATH"]},
+        )  # fmt: skip
+        if "Permission denied" in done.stderr or "No module named 'numpy'" in done.stderr:
+            pytest.skip("the interpreter lies in a folder that other users may not read")
+        assert done.returncode == 0, done.stderr
+        assert done.stdout.strip() == "[1 0]"
+    finally:
+        shutil.rmtree(folder)
+
+
+def with_value(array, place, value):
+    array = np.array(array)
+    array[place] = value
+    return array
+
+
+@pytest.mark.parametrize(
+    "points, faces, says",
+    [
+        (BALL.points[:0], BALL.faces, "points is empty"),
+        (BALL.points, BALL.faces[:0], "faces is empty"),
+        (BALL.points[:, :2], BALL.faces, r"points has the shape \(\d+, 2\); give an array of shape \(n, 3\)"),
+        (BALL.points, BALL.faces.ravel(), "faces has the shape .* cut polygons into triangles first"),
+        (BALL.points, [[0, 1, 2], [0, 1]], "faces has rows of unequal length"),
+        (BALL.points, BALL.faces.astype(float), "faces holds values of type float64; give whole numbers"),
+        (BALL.points.astype(complex), BALL.faces, "points holds values of type complex128; give real numbers"),
+        (with_value(BALL.points, (7, 1), np.nan), BALL.faces, r"1 points have .* the first is points\[7\] = \(.*nan"),
+        (BALL.points, with_value(BALL.faces, (5, 2), len(BALL.points)), r"faces\[5, 2\] is \d+, but points has the rows 0 to"),
+        (BALL.points, with_value(BALL.faces, (5, 2), -1), r"faces\[5, 2\] is -1, but"),
+        (BALL.points, BALL.faces[1:], "the surface is open, branches, or is not oriented. reebslice.inspect_surface"),
+        (BALL.points[BALL.faces].reshape(-1, 3), np.arange(3 * len(BALL.faces)).reshape(-1, 3), "corners are not merged.*merges"),
+        (BALL.points, BALL.faces[:, ::-1], r"point inward.*Reverse their corners, faces\[:, ::-1\]"),
+        (BALL.points, None, "A ndarray is given alone: give points"),
+    ],
+)
+def test_the_door_says_what_is_wrong_where_and_the_cure(points, faces, says):
+    for function in reebslice.height_mesh, reebslice.exact_graphs:
+        with pytest.raises(NotASolidError, match=f"(?s){says}") as raised:
+            function(points, faces)
+        assert isinstance(raised.value, ReebsliceError) and isinstance(raised.value, ValueError)
+
+
+def test_unused_points_may_be_anything():
+    points = np.vstack([BALL.points, [[np.nan] * 3]])
+    assert len(reebslice.exact_graphs(points, BALL.faces)[0].vertex) == 2
+
+
+def test_meshes_of_other_libraries_are_taken_whole():
+    trimesh = pytest.importorskip("trimesh")
+    expected = reebslice.exact_graphs(BALL.points, BALL.faces)[1]
+    whole = trimesh.Trimesh(BALL.points, BALL.faces, process=False)
+    # as pyvista names the arrays of a PolyData, which is not installed for tests
+    poly = SimpleNamespace(points=BALL.points, regular_faces=BALL.faces, is_all_triangles=True)
+    for mesh in whole, poly:
+        found = reebslice.exact_graphs(mesh)[1]
+        assert found.vertex.tolist() == expected.vertex.tolist() and found.arcs.tolist() == expected.arcs.tolist()
+    poly.is_all_triangles = False
+    with pytest.raises(NotASolidError, match=r"call its triangulate\(\) first"):
+        reebslice.height_mesh(poly)
+
+
+def test_graphs_become_networkx_graphs_with_parallel_arcs():
+    torus = solids.torus(upright=True)
+    surface, _ = reebslice.exact_graphs(torus.points, torus.faces)
+    graph = surface.to_networkx()
+    assert isinstance(graph, networkx.MultiGraph)
+    assert graph.number_of_nodes() == len(surface.vertex) and graph.number_of_edges() == len(surface.arcs)
+    assert [graph.nodes[k]["height"] for k in graph] == surface.height.tolist()
+    assert sorted(tuple(sorted(ends)) for ends in graph.edges()) == sorted(map(tuple, surface.arcs.tolist()))
+    assert graph.number_of_edges() - graph.number_of_nodes() + 1 == 1
