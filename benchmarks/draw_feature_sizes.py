@@ -28,17 +28,17 @@ from reebslice.drawing.canvas import new_canvas
 from reebslice.drawing.marks import (
     INK,
     MARKS,
+    SOFT,
 )
 from reebslice.drawing.model import (
     stack_columns,
-    tilt_points,
     trace_solid_arcs,
 )
 from reebslice.drawing.picture import (
-    SOFT,
+    Body,
     draw_in_body,
 )
-from reebslice.drawing.shading import widest_azimuth
+from reebslice.drawing.rasters import widest_azimuth
 from reebslice.drawing.views import fit_view
 from reebslice.formats.graphml import Graph
 
@@ -100,14 +100,14 @@ def draw_table(rows, sizes):
 def draw_row(figure, folders, boxes):
     """The body of one model, then its graph in the body for each folder of results."""
     rotation = np.array(read_json(folders[0] / "tilt.json")["rotation"])
-    points = tilt_points(stack_columns(read_table(folders[0] / "vertices.parquet", "vertices"), "xyz"), rotation)
+    points = stack_columns(read_table(folders[0] / "vertices.parquet", "vertices"), "xyz") @ rotation.T
     faces = stack_columns(read_table(folders[0] / "faces.parquet", "faces"), "abc")
     view = fit_view(points, widest_azimuth(points, faces, ELEVATION), ELEVATION, *PANEL, margin=0.03)
     for folder, box in zip([None, *folders], boxes):
         graph, paths = (nx.MultiGraph(), {}) if folder is None else read_simplified(folder)
         graph = Graph(dict(graph.nodes(data=True)), list(graph.edges(data=True)))
         canvas = new_canvas(view.width, view.height, DOTS_PER_INCH / 72)
-        draw_in_body(canvas, np.zeros(2, int), view, points, faces, rotation, graph, paths)
+        draw_in_body(canvas, np.zeros(2, int), view, Body(points, faces, rotation, []), graph, paths)
         figure.figimage(canvas.image, box[0] * figure.bbox.width, box[1] * figure.bbox.height)
         lines = describe(read_figures(folder or folders[0]), folders[0].parent.name if folder is None else None)
         for step, (text, weight) in enumerate(lines):

@@ -31,7 +31,9 @@ def make_page():
     lines = [HEAD, "## Events\n", "| change | side | index | outer | inner | regions | operation |"]
     lines.append("| --- | --- | ---: | ---: | ---: | ---: | --- |")
     for change, (side, index, *steps, operation) in EVENTS.items():
-        lines.append(f"| `{change}` | {side} | {index} | {' | '.join(f'{step:+d}' if step else '0' for step in steps)} | {operation} |")
+        lines.append(
+            f"| `{change}` | {side} | {index} | {' | '.join(f'{step:+d}' if step else '0' for step in steps)} | {operation} |"
+        )
     for name, schema in SCHEMAS.items():
         key, says = (schema.metadata[word].decode() for word in (b"reebslice:primary_key", b"description"))
         where = "results/corpus/comparison.parquet" if name == "comparison" else f"{name}.parquet"

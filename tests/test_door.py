@@ -24,7 +24,12 @@ BALL = solids.icosphere(2)
 
 def test_every_exported_name_is_there_and_stubs_say_the_same():
     stub = ast.parse((SCRIPTS / "reebslice" / "__init__.pyi").read_text())
-    told = {alias.asname: f".{node.module}" for node in stub.body if isinstance(node, ast.ImportFrom) for alias in node.names}
+    told = {
+        alias.asname: f".{node.module}"
+        for node in stub.body
+        if isinstance(node, ast.ImportFrom)
+        for alias in node.names
+    }
     homes = {name: f".{home}" for name, home in reebslice._HOMES.items()}
     assert told == homes | {"errors": ".None"}
     assert all(getattr(reebslice, name) is not None for name in reebslice.__all__)
@@ -37,7 +42,10 @@ def test_every_exported_name_is_there_and_stubs_say_the_same():
 def run_python(script, **environment):
     """What a new interpreter prints that sees the library and nothing else of the project."""
     done = subprocess.run(
-        [sys.executable, "-c", script], capture_output=True, text=True, env=os.environ | {"PYTHONPATH": str(SCRIPTS)} | environment
+        [sys.executable, "-c", script],
+        capture_output=True,
+        text=True,
+        env=os.environ | {"PYTHONPATH": str(SCRIPTS)} | environment,
     )
     assert done.returncode == 0, done.stderr
     return done.stdout
@@ -109,10 +117,18 @@ def with_value(array, place, value):
         (BALL.points, BALL.faces.astype(float), "faces holds values of type float64; give whole numbers"),
         (BALL.points.astype(complex), BALL.faces, "points holds values of type complex128; give real numbers"),
         (with_value(BALL.points, (7, 1), np.nan), BALL.faces, r"1 points have .* the first is points\[7\] = \(.*nan"),
-        (BALL.points, with_value(BALL.faces, (5, 2), len(BALL.points)), r"faces\[5, 2\] is \d+, but points has the rows 0 to"),
+        (
+            BALL.points,
+            with_value(BALL.faces, (5, 2), len(BALL.points)),
+            r"faces\[5, 2\] is \d+, but points has the rows 0 to",
+        ),
         (BALL.points, with_value(BALL.faces, (5, 2), -1), r"faces\[5, 2\] is -1, but"),
         (BALL.points, BALL.faces[1:], "the surface is open, branches, or is not oriented. reebslice.inspect_surface"),
-        (BALL.points[BALL.faces].reshape(-1, 3), np.arange(3 * len(BALL.faces)).reshape(-1, 3), "corners are not merged.*merges"),
+        (
+            BALL.points[BALL.faces].reshape(-1, 3),
+            np.arange(3 * len(BALL.faces)).reshape(-1, 3),
+            "corners are not merged.*merges",
+        ),
         (BALL.points, BALL.faces[:, ::-1], r"point inward.*Reverse their corners, faces\[:, ::-1\]"),
         (BALL.points, None, "A ndarray is given alone: give points"),
     ],

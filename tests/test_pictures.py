@@ -15,13 +15,15 @@ import draw
 import solids
 from pipeline import run_stages
 from reebslice.drawing.canvas import SIDES, draw_lines, draw_marks, draw_segments, encode_png, new_canvas
+from reebslice.drawing.flat import list_ticks
 from reebslice.drawing.lane_orders import count_crossings, order_lanes
 from reebslice.drawing.layout import place_graph, trace_arc
 from reebslice.drawing.marks import MARKS
 from reebslice.drawing.model import read_graph
 from reebslice.drawing.normals import corner_normals, find_vertex_normals
-from reebslice.drawing.picture import draw_model, list_ticks
-from reebslice.drawing.shading import rasterize_mesh, shade_layers, widest_azimuth
+from reebslice.drawing.picture import Body, Title, draw_model
+from reebslice.drawing.rasters import rasterize_mesh, widest_azimuth
+from reebslice.drawing.shading import shade_layers
 from reebslice.drawing.views import fit_view, project_points, view_axes
 from reebslice.formats.graphml import Graph
 
@@ -83,8 +85,8 @@ def test_normals_are_smooth_but_across_creases(flat):
     ball, box = solids.icosphere(2), solids.cube()
     for points, faces in (crumpled, (ball.points, ball.faces), (box.points, box.faces)):
         points, faces = points * [1, 1, flat], np.array(faces, np.int32)
-        around = find_vertex_normals(points, faces, 40.0)
-        found = [corner_normals(points, faces, f, 40.0, *around, np.empty((3, 3))) for f in range(len(faces))]
+        normals = find_vertex_normals(points, faces, 40.0)
+        found = [corner_normals(points, faces, f, normals, np.empty((3, 3))) for f in range(len(faces))]
         assert np.array(found) == pytest.approx(slow_corner_normals(points, faces, 40.0), abs=1e-6)
 
 
@@ -241,7 +243,7 @@ def test_ticks_are_round_and_their_texts_tell_them(low, power):
 
 def draw_graph(graph, points=np.zeros((0, 3)), faces=np.zeros((0, 3), int), width=300):
     graph = Graph(dict(graph.nodes(data=True)), list(graph.edges(data=True)))
-    return draw_model("m", ["0 faces"], "exact", points, faces, np.eye(3), graph, {}, [], {"width": width})
+    return draw_model(Title("m", ["0 faces"], "exact"), Body(points, faces, np.eye(3), []), graph, {}, {"width": width})
 
 
 def handle(number, height, operation="creation", side="A"):

@@ -9,8 +9,8 @@ import numpy as np
 from corpus.stages import run_batch
 from corpus.storage import read_blocks, read_json, read_table
 from reebslice.drawing.canvas import encode_png
-from reebslice.drawing.model import list_facts, pick_curves, read_graph, stack_columns, tilt_points, trace_solid_arcs
-from reebslice.drawing.picture import draw_model
+from reebslice.drawing.model import list_facts, pick_curves, read_graph, stack_columns, trace_solid_arcs
+from reebslice.drawing.picture import Body, Title, draw_model
 
 OUTPUTS = ("picture.png",)
 
@@ -24,18 +24,10 @@ def main(source, target, options):
         for name in ("vertices", "faces", "levels", "contours", "arcs", "nodes")
     )
     geometry = read_blocks(source / "contours.parquet", "contours", "geometry")
-    image = draw_model(
-        name=source.name,
-        facts=list_facts(certificate, faces.num_rows, levels.num_rows),
-        verdict=certificate["verdict"],
-        points=tilt_points(stack_columns(vertices, "xyz"), rotation),
-        faces=stack_columns(faces, "abc"),
-        rotation=rotation,
-        graph=read_graph(source / "solid.graphml"),
-        paths=trace_solid_arcs(arcs, material),
-        curves=pick_curves(levels, contours, geometry),
-        options=options,
-    )
+    title = Title(source.name, list_facts(certificate, faces.num_rows, levels.num_rows), certificate["verdict"])
+    points = stack_columns(vertices, "xyz") @ rotation.T
+    body = Body(points, stack_columns(faces, "abc"), rotation, pick_curves(levels, contours, geometry))
+    image = draw_model(title, body, read_graph(source / "solid.graphml"), trace_solid_arcs(arcs, material), options)
     (target / "picture.png").write_bytes(encode_png(image))
 
 

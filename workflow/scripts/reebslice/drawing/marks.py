@@ -11,7 +11,8 @@ MARKS = {
     "annihilation": ("v", "#A3246E"),
     "": ("s", "#6B7280"),
 }
-INK = "#1B1F24"
+INK, SOFT, FAR = "#1B1F24", "#5B6470", "#707885"
+CASED = 400  # arcs, beyond which lines cross without a white casing
 
 
 def mark_size(count):
@@ -38,6 +39,7 @@ def group_marks(marks):
 
 
 def mark_style(operation, side, size):
+    """Return the keywords of :func:`canvas.draw_marks` for a node of an operation and side."""
     shape, colour = MARKS[operation]
     size, colour, white = size * {"D": 0.82, "s": 0.9}.get(shape, 1.0), rgb(colour), np.full(3, 255.0)
     hollow = {"face": white, "edge": colour, "edge_width": max(0.19 * size, 0.5)}
@@ -46,4 +48,5 @@ def mark_style(operation, side, size):
 
 
 def ring_style(size):
+    """Return the keywords of :func:`canvas.draw_marks` for the ring around a node that stands for several handles."""
     return {"shape": "o", "size": 1.9 * size, "edge": rgb(INK), "edge_width": max(0.1 * size, 0.4)}

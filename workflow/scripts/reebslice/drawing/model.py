@@ -1,19 +1,28 @@
 """What the picture of a model shows, gathered from the model's tables."""
 
-from xml.etree import ElementTree
-
 import numpy as np
 import pyarrow as pa
 
+from ..certification.graphml import parse_graph
 from ..formats.graphml import Graph
 from ..formats.wkb import unpack_curves
 
 CURVES = 14  # levels whose contours are drawn faintly
-GRAPHML = "{http://graphml.graphdrawing.org/xmlns}"
 
 
 def list_facts(certificate, n_faces, n_levels):
-    """The statements below the title: faces, genus, loops, voids, levels, and what is not shown."""
+    """List the statements below the title: faces, genus, loops, voids, levels, and what is not shown.
+
+    Parameters
+    ----------
+    certificate : dict
+        The content of certificate.json.
+    n_faces, n_levels : int
+
+    Returns
+    -------
+    list of str
+    """
     counts = [
         (n_faces, "face", "faces"),
         (n_levels, "level", "levels"),
@@ -28,38 +37,54 @@ def list_facts(certificate, n_faces, n_levels):
 
 
 def read_graph(path):
-    """The Graph in a GraphML file; importing networkx for that takes longer than drawing a model."""
-    root = ElementTree.parse(path).getroot()
-    kinds = {"int": int, "long": int, "float": float, "double": float}
-    declared = root.iter(GRAPHML + "key")
-    keys = {key.get("id"): (key.get("attr.name"), kinds.get(key.get("attr.type"), str)) for key in declared}
+    """Read a GraphML file.
 
-    def facts(element):
-        data = ((keys[item.get("key")], item.text or "") for item in element.iter(GRAPHML + "data"))
-        return {name: kind(text) for (name, kind), text in data}
+    Parameters
+    ----------
+    path : Path
 
-    nodes = {node.get("id"): facts(node) for node in root.iter(GRAPHML + "node")}
-    edges = [(edge.get("source"), edge.get("target"), facts(edge)) for edge in root.iter(GRAPHML + "edge")]
-    return Graph(nodes, edges)
-
-
-def tilt_points(points, rotation):
-    """Points (n, 3) in the tilted frame."""
-    return points @ rotation.T
+    Returns
+    -------
+    Graph
+        As the workflow wrote it.
+    """
+    read = parse_graph(path.read_bytes())
+    return Graph(read.nodes, [(low, high, facts) for low, high, _, facts in read.edges])
 
 
 def stack_columns(table, names):
-    """The columns `names`, numbers without nulls, of a table as one array (rows, columns)."""
+    """Stack columns of numbers of a table side by side.
+
+    Parameters
+    ----------
+    table : pyarrow.Table
+    names : iterable of str
+        Columns without nulls.
+
+    Returns
+    -------
+    (rows, columns) array
+    """
     return np.column_stack([read_column(table, name) for name in names])
 
 
 def read_column(table, name):
-    """A column of numbers without nulls as an array; pyarrow's own to_numpy would import pandas."""
+    """Return a column of numbers without nulls as an array; pyarrow's own to_numpy would import pandas."""
     return np.from_dlpack(table[name].combine_chunks())
 
 
 def trace_solid_arcs(arcs, nodes):
-    """For every arc of the solid graph its material points (k, 3), upward, in the model frame."""
+    """Trace every arc of the solid's graph through its material points.
+
+    Parameters
+    ----------
+    arcs, nodes : pyarrow.Table
+
+    Returns
+    -------
+    dict
+        For every arc of the solid (k, 3) float64, upward, model frame.
+    """
     points, numbers = stack_columns(nodes, "xyz"), read_column(nodes, "node")
     order = np.argsort(numbers)
     rows = zip(arcs["graph"].to_pylist(), arcs["arc"].to_pylist(), arcs["nodes"].to_pylist(), strict=True)
@@ -71,9 +96,19 @@ def trace_solid_arcs(arcs, nodes):
 
 
 def pick_curves(levels, contours, geometry):
-    """The contours (k, 3), tilted frame, of some levels spread evenly over the heights.
+    """Pick the contours of some levels that are spread evenly over the heights.
 
-    geometry : that column of the table `contours`, an iterable of Arrow arrays.
+    Parameters
+    ----------
+    levels, contours : pyarrow.Table
+        `contours` without the column `geometry`.
+    geometry : iterable of pyarrow.Array
+        That column, in blocks.
+
+    Returns
+    -------
+    list of (k, 3) float64
+        Closed curves, tilted frame.
     """
     heights = read_column(levels, "height")
     if len(heights) == 0:
@@ -89,7 +124,7 @@ def pick_curves(levels, contours, geometry):
 
 
 def take_rows(blocks, rows):
-    """Of a column that comes in blocks, the ascending `rows`, in blocks."""
+    """Yield the ascending `rows` of a column that comes in blocks, in blocks."""
     first = 0
     for block in blocks:
         inside = rows[(rows >= first) & (rows < first + len(block))]

@@ -1,19 +1,55 @@
 """Normals of a triangle mesh that are smooth except across creases."""
 
+from typing import NamedTuple
+
 import numba
 import numpy as np
 
 FLAT_VALENCE = 64  # faces around a vertex, beyond which it is the tip of a cone or the centre of a cap, and flat
 
 
-@numba.njit(cache=True)
-def find_vertex_normals(points, faces, crease):
-    """Unit normals of the vertices, shape (n, 3), 0 where they are not smooth; and their faces, `around` and `start`.
+class VertexNormals(NamedTuple):
+    """Normals of n vertices, where they are smooth, and the faces around the others.
 
-    points : (n, 3); faces : (m, 3). A vertex is smooth where any two of its faces meet at
-    less than `crease` degrees; its normal is the area-weighted mean of theirs. Of the others the faces are
-    around[start[v]:start[v + 1]], save for vertices with more than 64 faces (tips, centres of caps).
+    Attributes
+    ----------
+    crease : float
+        Angle in degrees from which two faces make a crease.
+    smooth : (n, 3) float32
+        Unit normal of a vertex, the area-weighted mean over its faces; 0 where two of them meet at a crease.
+    around : (k,) int32
+        Faces around the vertices that are not smooth, save for those with more
+        than `FLAT_VALENCE` faces (tips, centres of caps).
+    start : (n + 1,) int32
+        Vertex v owns around[start[v]:start[v + 1]].
     """
+
+    crease: float
+    smooth: np.ndarray
+    around: np.ndarray
+    start: np.ndarray
+
+
+def find_vertex_normals(points, faces, crease):
+    """Find the normals of vertices whose faces meet at less than a crease.
+
+    Parameters
+    ----------
+    points : (n, 3) float64
+    faces : (m, 3) int
+    crease : float
+        Degrees.
+
+    Returns
+    -------
+    VertexNormals
+    """
+    return VertexNormals(crease, *_find_vertex_normals(points, faces, crease))
+
+
+@numba.njit(cache=True)
+def _find_vertex_normals(points, faces, crease):
+    """Smooth normals (n, 3), and the faces around the other vertices, as in :class:`VertexNormals`."""
     total, count = np.zeros((len(points), 3)), np.zeros(len(points), np.int32)
     for f in range(len(faces)):
         x, y, z, area = _face_normal(points, faces, f)
@@ -64,13 +100,29 @@ def _face_normal(points, faces, f):
 
 
 @numba.njit(cache=True)
-def corner_normals(points, faces, f, crease, smooth, around, start, out):
-    """Unit normals `out`, (3, 3), at the corners of face f; smooth, around, start : of :func:`find_vertex_normals`.
+def corner_normals(points, faces, f, normals, out):
+    """Find the normals at the corners of a face.
 
-    That of a vertex, if smooth, else the area-weighted mean over those faces around it whose normals lie within
-    `crease` degrees of the face's own, which is also that at vertices of very many faces. A face without area has 0.
+    Parameters
+    ----------
+    points : (n, 3) float64
+    faces : (m, 3) int
+    f : int
+        The face.
+    normals : VertexNormals
+    out : (3, 3) float64
+        Filled with unit normals, one row per corner: that of the vertex, where
+        it is smooth; else the area-weighted mean over those faces around it
+        whose normals lie within a crease of the face's own. At vertices of very
+        many faces it is the face's own. 0 for a face without area.
+
+    Returns
+    -------
+    (3, 3) float64
+        `out`.
     """
-    bound, flat = np.cos(np.radians(crease)), _face_normal(points, faces, f)
+    smooth, around, start = normals.smooth, normals.around, normals.start
+    bound, flat = np.cos(np.radians(normals.crease)), _face_normal(points, faces, f)
     for i in range(3):
         v = faces[f, i]
         out[i, 0], out[i, 1], out[i, 2] = smooth[v, 0], smooth[v, 1], smooth[v, 2]

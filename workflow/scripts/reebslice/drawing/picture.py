@@ -13,69 +13,83 @@ from typing import NamedTuple
 import numpy as np
 
 from .canvas import Words, draw_lines, draw_marks, draw_segments, measure_text, new_canvas, rgb, write_words
-from .layout import place_graph, trace_arc
-from .marks import INK, draw_nodes, group_marks, mark_size, mark_style, ring_style
-from .shading import rasterize_mesh, shade_layers, widest_azimuth
+from .flat import Panel, draw_flat
+from .marks import CASED, FAR, INK, SOFT, draw_nodes, group_marks, mark_style, ring_style
+from .rasters import rasterize_mesh, widest_azimuth
+from .shading import shade_layers
 from .views import fit_view, project_points, view_axes
 
 VERDICT_INKS = {"exact": "#00724F", "exact_at_feature_size": "#005A8C", "uncertified": "#B3470A"}
-SOFT, FAR = "#5B6470", "#707885"
 POINTS = (864, 518.4)  # size of the picture, in the points that words and lines are measured in
 LABELS = 40  # nodes, beyond which handles are not numbered
-CASED = 400  # arcs, beyond which lines cross without a white casing
 
 
-class Panel(NamedTuple):
-    """A part of the picture, in pixels."""
+class Title(NamedTuple):
+    """Words at the top: the model, short statements in a line below it, and the certificate's verdict."""
 
-    left: float
-    top: float
-    width: float
-    height: float
+    name: str
+    facts: list
+    verdict: str
 
 
-def draw_model(name, facts, verdict, points, faces, rotation, graph, paths, curves, options):
+class Body(NamedTuple):
+    """The surface of a model.
+
+    Attributes
+    ----------
+    points : (n, 3) float64
+        Vertices in the tilted frame.
+    faces : (m, 3) int
+        Counter-clockwise seen from outside.
+    rotation : (3, 3) float64
+        From the model frame to the tilted frame.
+    curves : list of (k, 3) float64
+        Closed contours in the tilted frame, drawn faintly.
+    """
+
+    points: np.ndarray
+    faces: np.ndarray
+    rotation: np.ndarray
+    curves: list
+
+
+def draw_model(title, body, graph, paths, options):
     """Draw the model and its solid Reeb graph.
 
     Parameters
     ----------
-    name, facts, verdict : str, list of str, str
-        Title; short statements in a line below it; the certificate's verdict.
-    points, faces : (n, 3) floats, (m, 3) ints
-        The surface in the tilted frame, faces counter-clockwise from outside.
-    rotation : (3, 3) floats
-        From the model frame to the tilted frame.
+    title : Title
+    body : Body
     graph : Graph
         The solid's graph; nodes with height, x, y, z (model frame), side,
         operation, handle and, if not 1, n_handles, edges with arc.
     paths : dict
         For an arc the material points (k, 3), model frame, upward; an arc
         without an entry is drawn straight.
-    curves : list of (k, 3) floats
-        Closed contours in the tilted frame, drawn faintly.
     options : dict
         width (pixels), azimuth (degrees, or None for the largest silhouette) and
         elevation (degrees).
 
     Returns
     -------
-    (height, width, 3) bytes
+    (height, width, 3) uint8
         Text and lines scale with the width. An empty surface or graph gives
         empty panels.
     """
+    points = body.points
     width = int(options.get("width", 1600))
     height, unit = int(width * POINTS[1] / POINTS[0]), width / POINTS[0]
     canvas = new_canvas(width, height, unit)
     azimuth, elevation = options.get("azimuth"), float(options.get("elevation", 15))
-    azimuth = widest_azimuth(points, faces, elevation) if azimuth is None else float(azimuth)
+    azimuth = widest_azimuth(points, body.faces, elevation) if azimuth is None else float(azimuth)
     view, corner, flat = _arrange(width, height, points, azimuth, elevation)
-    seen, ends = draw_in_body(canvas, corner, view, points, faces, rotation, graph, paths, curves)
-    words = _draw_frame(canvas, corner, view, rotation)
+    seen, ends = draw_in_body(canvas, corner, view, body, graph, paths)
+    words = _draw_frame(canvas, corner, view, body.rotation)
     marks = list(graph.nodes.values())
-    spots, labels = _draw_flat(canvas, flat, marks, seen, ends)
+    spots, labels = draw_flat(canvas, flat, marks, seen, ends)
     for places in (seen, spots):
         words += _number_marks(marks, places, unit)
-    write_words(canvas, words + labels + _title(name, facts, verdict, width, height) + _draw_legend(canvas, marks))
+    write_words(canvas, words + labels + _write_title(title, width, height) + _draw_legend(canvas, marks))
     return canvas.image
 
 
@@ -93,18 +107,32 @@ def _arrange(width, height, points, azimuth, elevation):
 # Left: the body
 
 
-def draw_in_body(canvas, corner, view, points, faces, rotation, graph, paths, curves=()):
-    """Draw the surface and its graph inside, seen in `view`, as on the left of :func:`draw_model`.
+def draw_in_body(canvas, corner, view, body, graph, paths):
+    """Draw a surface and its graph inside, as on the left of :func:`draw_model`.
 
-    corner : (column, row) of the view's upper left corner in the picture; the
-    others as there. Returns the places (k, 2) of the nodes and, of every edge,
-    the numbers of its lower and its upper node.
+    Parameters
+    ----------
+    canvas : Canvas
+        Drawn on in place.
+    corner : (2,) int
+        Column and row of the view's upper left corner in the picture.
+    view : View
+    body, graph, paths
+        As for :func:`draw_model`.
+
+    Returns
+    -------
+    places : (k, 2) float64
+        Column and row of the nodes.
+    ends : (m, 2) int
+        Numbers of the lower and the upper node of every edge.
     """
+    rotation = body.rotation
     marks = list(graph.nodes.values())
     places = np.array([[mark["x"], mark["y"], mark["z"]] for mark in marks], float).reshape(-1, 3)
     ends = _list_ends(graph)
     seen = project_points(places @ rotation.T, view)[:, :2] + corner
-    _draw_body(canvas, corner, points, faces, view, curves)
+    _draw_body(canvas, corner, body, view)
     lines = [
         np.vstack([places[i], np.reshape(paths.get(facts.get("arc"), ()), (-1, 3)), places[j]])
         for (i, j), (_, _, facts) in zip(ends, graph.edges, strict=True)
@@ -121,14 +149,15 @@ def _list_ends(graph):
     return np.array(ends, int).reshape(-1, 2)
 
 
-def _draw_body(canvas, corner, points, faces, view, curves):
-    """The surface, twice as fine as the picture and averaged, with some contours on it."""
+def _draw_body(canvas, corner, body, view):
+    """Draw the surface, twice as fine as the picture and averaged, with some contours on it."""
+    points = body.points
     fine = view._replace(width=2 * view.width, height=2 * view.height, scale=2 * view.scale)
-    layers = rasterize_mesh(points, faces, fine)
+    layers = rasterize_mesh(points, body.faces, fine)
     extent = max(float(np.ptp(column)) for column in points.T) if len(points) else 1.0
     left, top = corner
     canvas.image[top : top + view.height, left : left + view.width] = shade_layers(layers, 0.012 * extent, 2)
-    segments, hidden = _split_curves(curves, layers.depth, fine, 0.006 * extent)
+    segments, hidden = _split_curves(body.curves, layers.depth, fine, 0.006 * extent)
     segments = segments / 2 + np.tile(corner, 2)
     draw_segments(canvas, [segments[hidden]], rgb("#23527C"), 0.5, opacity=0.10)
     draw_segments(canvas, [segments[~hidden]], rgb("#23527C"), 0.5, opacity=0.38)
@@ -171,64 +200,6 @@ def _draw_frame(canvas, corner, view, rotation):
 
 
 # --------------------------------------------------------------------------
-# Right: the flat drawing
-
-
-def _draw_flat(canvas, panel, marks, seen, ends):
-    """The graph by height, lanes ordered as in the picture on the left where nothing else decides.
-
-    Returns the places (k, 2) of the nodes and the words of the axis.
-    """
-    heights = np.array([mark["height"] for mark in marks], float)
-    extent = float(np.ptp(heights)) if len(heights) else 0.0
-    extent, low = extent if extent > 0 else 1.0, heights.min() if len(heights) else 0.0
-    layout = place_graph(heights, ends[:, 0], ends[:, 1], seen[:, 0], mark_size(len(marks)) / 660 * extent)
-    across = np.concatenate([layout.nodes, layout.lanes, [0.0]][: 2 if len(marks) else 3])
-    middle, half = (across.min() + across.max()) / 2, max(np.ptp(across) * 0.54, 1.6)
-    origin = np.array([panel.left + panel.width / 2, panel.top + panel.height * 1.04 / 1.08])
-    scale = np.array([panel.width / (2 * half), -panel.height / (1.08 * extent)])
-
-    def place(points):
-        return origin + (points - [middle, low]) * scale
-
-    labels = _draw_axis(canvas, panel, low, extent, place)
-    spots = np.column_stack([layout.nodes, heights])
-    arcs = zip(ends, layout.lanes, strict=True)
-    lines = [place(trace_arc(spots[i], spots[j], lane, 0.03 * extent)) for (i, j), lane in arcs]
-    thick = 1.5 if len(lines) <= 60 else 1.0 if len(lines) <= CASED else 0.5
-    draw_lines(canvas, lines, rgb(INK), thick, opacity=1.0 if len(lines) <= 2000 else 0.35)
-    draw_nodes(canvas, marks, place(spots))
-    return place(spots), labels
-
-
-def _draw_axis(canvas, panel, low, extent, place):
-    """The axis of heights on the left of the panel, and a grid; returns its words."""
-    values, texts = list_ticks(low - 0.04 * extent, low + 1.04 * extent)
-    rows = np.floor(place(np.column_stack([np.zeros(len(values)), values]))[:, 1]) + 0.5
-    left, tick, gap = np.floor(panel.left) + 0.5, 3 * canvas.unit, 6 * canvas.unit
-    draw_lines(canvas, [np.array([[left, row], [left + panel.width, row]]) for row in rows], rgb("#E8EBEE"), 0.6)
-    ticks = [np.array([[left - tick, row], [left, row]]) for row in rows]
-    draw_lines(canvas, [np.array([[left, panel.top], [left, panel.top + panel.height]]), *ticks], rgb(SOFT), 0.8)
-    labels = [Words(text, (left - gap, row), 8, SOFT, "rm") for text, row in zip(texts, rows, strict=True)]
-    return labels + [Words("height", (left - gap, panel.top - 1.5 * gap), 9, SOFT, "rm")]
-
-
-def list_ticks(low, high, most=10):
-    """At most `most` round numbers from `low` to `high`, and their texts."""
-    least = (high - low) / (most - 1)
-    power = np.floor(np.log10(least))
-    factor = next(factor for factor in (1, 2, 2.5, 5, 10) if 10.0**power * factor >= least)
-    step, digits = factor * 10.0**power, int(-power) + {2.5: 1, 10: -1}.get(factor, 0)
-    values = step * np.arange(np.ceil(low / step), np.floor(high / step) + 1) + 0.0
-    largest = np.abs(values).max(initial=step)
-    if largest < 1e6 and digits < 6:
-        texts = [f"{value:.{max(digits, 0)}f}" for value in values]
-    else:
-        texts = [f"{value:.{max(digits + int(np.floor(np.log10(largest))), 0)}e}" if value else "0" for value in values]
-    return values, [text.replace("e+", "e").replace("-", "\u2212") for text in texts]
-
-
-# --------------------------------------------------------------------------
 # Words
 
 
@@ -240,12 +211,13 @@ def _number_marks(marks, spots, unit):
     ]
 
 
-def _title(name, facts, verdict, width, height):
-    ink = VERDICT_INKS.get(verdict, SOFT)
+def _write_title(title, width, height):
+    """The words at the top."""
+    ink = VERDICT_INKS.get(title.verdict, SOFT)
     return [
-        Words(name, (0.018 * width, 0.045 * height), 15, INK, bold=True),
-        Words("   ".join(facts), (0.018 * width, 0.087 * height), 9.5, SOFT),
-        Words(verdict.replace("_", " "), (0.982 * width, 0.045 * height), 12, ink, "rm", bold=True),
+        Words(title.name, (0.018 * width, 0.045 * height), 15, INK, bold=True),
+        Words("   ".join(title.facts), (0.018 * width, 0.087 * height), 9.5, SOFT),
+        Words(title.verdict.replace("_", " "), (0.982 * width, 0.045 * height), 12, ink, "rm", bold=True),
     ]
 
 
