@@ -4,13 +4,22 @@ import numpy as np
 
 
 def trace_arcs(parts):
-    """Arcs between joints: a list of dicts source, target, nodes, measure.
+    """Trace the arcs between the joints of a graph.
 
-    nodes : the items along the arc, upward. measure : the sum over the plain
-    parts that it runs through, and an equal share, among the arc ends that
-    meet there, of the parts at its two ends. A plain part that does not link
-    one item to one other (only a surface that crosses itself has any) ends
-    the arcs that reach it, at a joint with a negative number.
+    Parameters
+    ----------
+    parts : GraphParts
+
+    Returns
+    -------
+    list of dict
+        Sorted by `source` and `target`, the joints at the lower and the upper
+        end, then by `nodes`, the items along the arc, upward. `measure` is the
+        sum over the plain parts that the arc runs through, and an equal share,
+        among the arc ends that meet there, of the parts at its two ends. A plain
+        part that does not link one item to one other (only a surface that
+        crosses itself has any) ends the arcs that reach it, at a joint with a
+        negative number.
     """
     joints = [
         list(inside) or ([] if len(lower) == len(upper) == 1 else [-1 - part])
@@ -42,16 +51,27 @@ def trace_arcs(parts):
 
 
 def bounding_arcs(parts, solid, surface, region, inner):
-    """Which surface arcs bound which arc of the solid: two lists of lists of arc numbers.
-
-    parts : the solid's; solid, surface : its arcs and those of the surface, as
-    :func:`trace_arcs` lists them; region, inner : (C,) of the contours. The
-    first list has the surface arcs around each solid arc, outer ones before
-    holes; the second, the solid arcs within each surface arc, upward.
+    """Find which arcs of the surface bound which arcs of the solid.
 
     An arc of the solid keeps its surface arcs all along, because nothing
     happens on it. One without nodes lies between two events of a chain, and
     has those surface arcs of the regions next to the chain that pass it.
+
+    Parameters
+    ----------
+    parts : GraphParts
+        Of the solid.
+    solid, surface : list of dict
+        Arcs of both graphs, of :func:`trace_arcs`.
+    region, inner : list
+        Region of every contour, and whether it bounds a hole.
+
+    Returns
+    -------
+    of_solid : list of list of int
+        Arcs of the surface around each arc of the solid, outer ones before holes.
+    of_surface : list of list of int
+        Arcs of the solid that each arc of the surface bounds, upward.
     """
     arc_of = {contour: number for number, arc in enumerate(surface) for contour in arc["nodes"]}
     walls = [set() for _ in range(max(region, default=-1) + 1)]
@@ -74,11 +94,26 @@ def bounding_arcs(parts, solid, surface, region, inner):
 
 
 def arc_columns(arcs, graph, joints, points, similarity, bounds):
-    """The arcs of one graph ("solid" or "surface") as columns of the table `arcs`.
+    """Tabulate the arcs of one graph.
 
-    joints : {id: row with x, y, z, height}; points : (R, 3) positions of the
-    items, same frame as the joints; similarity : {(item, item): value}, empty
-    where there is none; bounds : of each arc, those of the other graph.
+    Parameters
+    ----------
+    arcs : list of dict
+        Of :func:`trace_arcs`.
+    graph : {"solid", "surface"}
+    joints : dict
+        Row with x, y, z and height of every joint, by its id.
+    points : (R, 3) float64
+        Positions of the items, same frame as the joints.
+    similarity : dict
+        Shape similarity of pairs of items, empty where there is none.
+    bounds : list of list of int
+        Arcs of the other graph, of :func:`bounding_arcs`.
+
+    Returns
+    -------
+    dict of list
+        Columns of the table `arcs`.
     """
     measure = [None if np.isnan(arc["measure"]) else arc["measure"] for arc in arcs]
     pairs = [list(zip(arc["nodes"][:-1], arc["nodes"][1:])) for arc in arcs]

@@ -22,18 +22,28 @@ PRECISION = 0.05
 
 
 def sample_nodes(contours, curves, pieces, levels, rotation, sampler="inscribed"):
-    """The table `nodes`: a material point per region per level.
+    """Put a material point into every region of every level.
 
-    contours : the table, `geometry` aside; curves : its :func:`tables.contour_curves`
+    Parameters
+    ----------
+    contours : pyarrow.Table
+        The table `contours`, without `geometry`.
+    curves : Curves
+        Its curves, tilted frame (:func:`tables.contour_curves`).
+    pieces, levels : pyarrow.Table
+    rotation : (3, 3) float64
+        From the model frame to the tilted frame.
+    sampler : {"inscribed", "representative", "centroid"}
+        The centre of the largest inscribed circle, which leads along the medial
+        axis, or a point near the one below where its circle is nearly as large;
+        some point inside; the centre of area, or some point inside where that is
+        outside.
 
-    sampler : "inscribed", centre of the largest inscribed circle, which leads
-        along the medial axis; "representative", some point inside;
-        "centroid", the centre of area; where that is outside the material,
-        some point inside.
-    rotation : (3, 3) to the tilted frame; nodes are given in the model frame.
-
-    A region too thin to hold a point in floating point gets a point of its
-    outer contour and the radius 0.
+    Returns
+    -------
+    pyarrow.Table
+        The table `nodes`, points in the model frame. A region too thin to hold a
+        point in floating point gets a point of its outer contour and radius 0.
     """
     outlines, level = region_outlines(contours, curves), region_levels(contours)
     count = len(level)
@@ -62,7 +72,19 @@ def sample_nodes(contours, curves, pieces, levels, rotation, sampler="inscribed"
 
 
 def points_inside(regions, sampler):
-    """A point inside each polygon, (R, 2): its "centroid" or, where that is outside, some point; NaN in empty ones."""
+    """Find a point inside each polygon.
+
+    Parameters
+    ----------
+    regions : (R,) array of shapely.Polygon
+    sampler : {"representative", "centroid"}
+        Some point inside; the centre of area, or some point where that is outside.
+
+    Returns
+    -------
+    (R, 2) float64
+        NaN for empty polygons.
+    """
     points = shapely.point_on_surface(regions)
     if sampler == "centroid":
         centre = shapely.centroid(regions)
@@ -73,10 +95,20 @@ def points_inside(regions, sampler):
 
 
 def inscribed_points(outlines):
-    """Centres (R, 2) and radii (R,) of the largest inscribed circles; NaN and 0 where there is no outline.
+    """Find the largest circle inside each region.
 
-    Their radius is the largest up to PRECISION times twice the area over the
-    perimeter, which is the radius of a disk and the width of a strip.
+    Parameters
+    ----------
+    outlines : Outlines
+        Of R regions.
+
+    Returns
+    -------
+    points : (R, 2) float64
+        Centres; NaN where there is no outline.
+    radius : (R,) float64
+        Largest up to `PRECISION` times twice the area over the perimeter, which
+        is the radius of a disk and the width of a strip; 0 without outline.
     """
     area, length, extent = measure_outlines(outlines)
     scale = np.divide(2 * area, length, out=np.zeros_like(area), where=length > 0)
@@ -84,17 +116,28 @@ def inscribed_points(outlines):
 
 
 def steady_points(outlines, points, radius, predecessor):
-    """Points (R, 2) moved to the one below, or near it, where a circle there is nearly as large.
+    """Move points to the one below, or near it, where a circle there is nearly as large.
 
-    outlines : :class:`outlines.Outlines` of R regions, ascending; points,
-    radius : (R, 2) and (R,) of their largest circles; predecessor : (R,) the
-    only region below in the same block, or -1.
+    Parameters
+    ----------
+    outlines : Outlines
+        Of R regions, in ascending order of level.
+    points, radius : (R, 2), (R,) float64
+        Centres and radii of their largest circles.
+    predecessor : (R,) int32
+        The only region below in the same block, or -1.
+
+    Returns
+    -------
+    (R, 2) float64
+        Whose clearance is at least `STEADY` times the largest, or the centre.
     """
     return _steady_points(outlines.points, outlines.ring, outlines.start, points, radius, predecessor)
 
 
 @njit(cache=True)
 def _steady_points(outline, ring, start, points, radius, predecessor):
+    """As :func:`steady_points`, over the arrays of the outlines."""
     points = points.copy()
     for r in range(len(points)):
         if predecessor[r] >= 0 and radius[r] > 0.0:
@@ -129,7 +172,19 @@ def _climb(outline, ring, first, end, x, y, radius):
 
 
 def single_predecessors(contours, pieces, count):
-    """For each region the one region below it in its block, else -1: (R,) int32."""
+    """Find the regions that are alone below others in their block.
+
+    Parameters
+    ----------
+    contours, pieces : pyarrow.Table
+    count : int
+        Number R of regions.
+
+    Returns
+    -------
+    (R,) int32
+        The one region below each region in its block, -1 if there is none or more.
+    """
     found = np.full(count, -1, np.int32)
     for below, above in zip(*block_regions(pieces, contours)):
         if len(below) == 1:
@@ -138,7 +193,18 @@ def single_predecessors(contours, pieces, count):
 
 
 def critical_regions(contours, pieces, count):
-    """Regions next to a block that holds an event, (R,) bool: the paper's V."""
+    """Find the regions next to a block that holds an event, the paper's set V.
+
+    Parameters
+    ----------
+    contours, pieces : pyarrow.Table
+    count : int
+        Number R of regions.
+
+    Returns
+    -------
+    (R,) bool
+    """
     eventful = {b for b, ranks in zip(pieces["block"].to_pylist(), pieces["critical_ranks"].to_pylist()) if ranks}
     critical = np.zeros(count, bool)
     for block, (below, above) in enumerate(zip(*block_regions(pieces, contours))):

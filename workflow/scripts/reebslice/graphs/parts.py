@@ -1,8 +1,8 @@
-"""What lies between consecutive levels, ready to be joined to a graph.
+"""Parts of a Reeb graph between consecutive levels.
 
-The points of a Reeb graph at a level are items: regions for the solid,
-contours for the surface. A part links the items below it to those above it;
-a part in which something happens holds joints, the nodes of the graph.
+Items are the points of the graph at a level: regions for the solid, contours
+for the surface. A part, a block or a piece, links the items below it to those
+above it. Joints are the events of a part, the nodes of the graph.
 """
 
 from typing import NamedTuple
@@ -17,11 +17,17 @@ from ..slicing.tables import block_regions
 class GraphParts(NamedTuple):
     """Parts of a solid or of a surface, in ascending order of slab.
 
-    below, above : items of each part, lists of lists
-    joints : handle ids of each part; empty for a plain continuation, several
-        for a chain of events, in ascending order
+    Attributes
+    ----------
+    below, above : list of list of int
+        Items below and above each of B parts.
+    joints : list of list of int
+        Handle ids of each part, ascending; none in a plain continuation, several
+        in a chain of events.
     slab : list of int
-    measure : (B,) float64, volume or area
+        Slab of each part.
+    measure : (B,) float64
+        Volume (solid) or area (surface) of each part.
     """
 
     below: list
@@ -32,12 +38,21 @@ class GraphParts(NamedTuple):
 
 
 def solid_parts(pieces, contours, handles):
-    """The blocks of the solid as :class:`GraphParts` over regions.
+    """Take the blocks of the solid as parts over regions.
 
     Events that leave the number of regions alone form a chain where a block
     has one region below and one above; any other block that holds events is
     one joint, named after the most persistent of them (the lowest such), so
     that an event keeps its node whatever noise shares its block.
+
+    Parameters
+    ----------
+    pieces, contours, handles : pyarrow.Table
+
+    Returns
+    -------
+    GraphParts
+        In order of blocks.
     """
     below, above = block_regions(pieces, contours)
     block, slab = pieces["block"].to_numpy(), np.empty(len(below), np.int32)
@@ -55,12 +70,35 @@ def solid_parts(pieces, contours, handles):
 
 
 def most_persistent(numbers, persistence):
-    """Of ascending handle ids the one with the largest persistence, the first such, as a list; [] of none."""
+    """Pick the most persistent of some handles, the lowest such.
+
+    Parameters
+    ----------
+    numbers : list of int
+        Handle ids, ascending.
+    persistence : list of float
+        Of all handles.
+
+    Returns
+    -------
+    list of int
+        One handle, or none where none is given.
+    """
     return [max(numbers, key=persistence.__getitem__)] if numbers else []
 
 
 def surface_parts(pieces, handles):
-    """The pieces of the surface as :class:`GraphParts` over contours, one joint a piece, the most persistent."""
+    """Take the pieces of the surface as parts over contours, with the most persistent event of each as its joint.
+
+    Parameters
+    ----------
+    pieces, handles : pyarrow.Table
+
+    Returns
+    -------
+    GraphParts
+        In order of pieces.
+    """
     events, persistence = [[] for _ in range(len(pieces))], handles["persistence"].to_pylist()
     for handle, piece in zip(handles["handle"].to_pylist(), handles["piece"].to_pylist()):
         events[piece].append(handle)
@@ -70,10 +108,20 @@ def surface_parts(pieces, handles):
 
 
 def linked_parts(level, links):
-    """Parts over items that were linked without the mesh.
+    """Make parts of links that were found without the mesh.
 
-    level : (R,) of the items; links : pairs of items of consecutive levels.
-    Whatever is not one item below and one above is a joint, numbered upward.
+    Parameters
+    ----------
+    level : (R,) int
+        Level of every item.
+    links : list of (int, int)
+        Pairs of items of consecutive levels, the lower first.
+
+    Returns
+    -------
+    GraphParts
+        Components of the links. Whatever is not one item below and one above
+        is a joint, numbered upward; `measure` is NaN.
     """
     level, count = np.asarray(level), len(level)
     low, high = np.array(links, np.int64).reshape(-1, 2).T

@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from ..arrays.components import connected_items
 from ..formats.graphml import Graph
 from .simplification import simplify_graph
 
@@ -10,13 +11,26 @@ POINT_COLUMNS = ("node", "level", "region", "x", "y", "z", "height", "critical",
 
 
 def reeb_graph(arcs, joints, attributes, prefix):
-    """A Reeb graph as a :class:`graphml.Graph`; several arcs may join the same two nodes.
+    """Make a Reeb graph of its arcs and joints.
 
-    arcs : rows of the table `arcs` of one graph; joints : {id: row}, those
-    without arcs included; attributes : names of the arc columns to carry.
-    Node h7 is the joint 7; edge ids are `prefix` and the arc's number. They are
-    an attribute as well, because igraph 1.0 takes the ids of nodes for those
-    of edges unless an attribute `id` tells otherwise.
+    Parameters
+    ----------
+    arcs : list of dict
+        Rows of the table `arcs` of one graph.
+    joints : dict
+        Row of every joint by its id, those without arcs included.
+    attributes : tuple of str
+        Columns of the arcs that edges carry.
+    prefix : str
+        Begins the id of every edge.
+
+    Returns
+    -------
+    Graph
+        Node h7 is the joint 7; an edge's id is `prefix` and the arc's number. It
+        is an attribute as well, because igraph 1.0 takes the ids of nodes for
+        those of edges unless an attribute `id` tells otherwise. Several edges
+        may join the same two nodes.
     """
     nodes = {joint_name(number): _scalars(joints[number], JOINT_COLUMNS) for number in sorted(joints)}
     edges = [
@@ -31,13 +45,23 @@ def reeb_graph(arcs, joints, attributes, prefix):
 
 
 def simplified_graph(arcs, joints, measure, size, prefix):
-    """A Reeb graph without its features below a size, as a :class:`graphml.Graph`.
+    """Make a Reeb graph without its features below a size.
 
-    arcs, joints, prefix : as for :func:`reeb_graph`; measure : the column,
-    "volume" or "area", whose sum over each component stays; size : mesh units,
-    all pairs of the graph's extended persistence below it are cancelled, and
-    components of less height are left out. A joint that does not branch, or that no arc meets,
-    stays if its own persistence is not below the size.
+    Parameters
+    ----------
+    arcs, joints, prefix
+        As for :func:`reeb_graph`.
+    measure : {"volume", "area"}
+        Column whose sum over each component stays.
+    size : float
+        Mesh units. All pairs of the graph's extended persistence below it are
+        cancelled, and components of less height are left out.
+
+    Returns
+    -------
+    Graph
+        A joint that does not branch, or that no arc meets, stays if its own
+        persistence is not below the size.
     """
     order = sorted(joints, key=lambda number: (joints[number]["height"], number))
     place = {number: k for k, number in enumerate(order)}
@@ -56,31 +80,49 @@ def simplified_graph(arcs, joints, measure, size, prefix):
 
 
 def drop_small_components(arcs, size):
-    """Of a graph's arcs, dicts with source, target, lower, upper, those of components at least `size` high."""
-    root = {row[end]: row[end] for row in arcs for end in ("source", "target")}
+    """Leave out the components of a graph that are lower than a size.
 
-    def find(node):
-        while root[node] != node:
-            root[node] = node = root[root[node]]
-        return node
+    Parameters
+    ----------
+    arcs : list of dict
+        With source, target, lower and upper.
+    size : float
+        Mesh units.
 
-    for row in arcs:
-        root[find(row["source"])] = find(row["target"])
-    low, high = {}, {}
-    for row in arcs:
-        part = find(row["source"])
-        low[part], high[part] = min(low.get(part, np.inf), row["lower"]), max(high.get(part, -np.inf), row["upper"])
-    tall = {part for part in low if high[part] - low[part] >= size}
-    left = [row for row in arcs if find(row["source"]) in tall]
+    Returns
+    -------
+    list of dict
+        Arcs of components at least that high, numbered anew in `arc`.
+    """
+    place = {}
+    ends = [[place.setdefault(row[end], len(place)) for end in ("source", "target")] for row in arcs]
+    source, target = np.array(ends, np.int64).reshape(-1, 2).T
+    component = connected_items(source, target, len(place))[source]
+    low, high = np.full(len(place), np.inf), np.full(len(place), -np.inf)
+    np.minimum.at(low, component, [row["lower"] for row in arcs])
+    np.maximum.at(high, component, [row["upper"] for row in arcs])
+    left = [row for row, part in zip(arcs, component.tolist()) if high[part] - low[part] >= size]
     return [row | {"arc": number} for number, row in enumerate(left)]
 
 
 def augmented_graph(parts, joints, nodes, similarity):
-    """The solid graph subdivided by every material point, a :class:`graphml.Graph`.
+    """Subdivide the solid's graph by every material point.
 
-    nodes : the table; similarity : {(lower node, upper node): value} of the
-    edges. Node n5 is the material point 5. An edge between two points is a
-    continuation; an edge at a joint carries its operation.
+    Parameters
+    ----------
+    parts : GraphParts
+        Of the solid.
+    joints : dict
+        Row of every joint by its id.
+    nodes : pyarrow.Table
+    similarity : dict
+        Of the edges, by lower and upper node.
+
+    Returns
+    -------
+    Graph
+        Node n5 is the material point 5, h7 the joint 7. An edge between two
+        points is a continuation; an edge at a joint carries its operation.
     """
     named = {joint_name(k): {"kind": "handle"} | _scalars(joints[k], JOINT_COLUMNS) for k in sorted(joints)}
     for row in nodes.select(POINT_COLUMNS).to_pylist():
@@ -107,7 +149,7 @@ def augmented_graph(parts, joints, nodes, similarity):
 
 
 def joint_name(number):
-    """Node id of a joint: h7 for the handle 7, b3 for a joint without a handle."""
+    """Return the node id of a joint: h7 for the handle 7, b3 for a joint without a handle, number -4."""
     return f"h{number}" if number >= 0 else f"b{-1 - number}"
 
 

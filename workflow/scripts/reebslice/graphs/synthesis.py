@@ -29,7 +29,7 @@ GUESSED = {
 
 
 class Synthesis(NamedTuple):
-    """The tables `edges` and `arcs` and the graphs."""
+    """Tables `edges` and `arcs`, and the graphs made of them."""
 
     edges: pa.Table
     arcs: pa.Table
@@ -41,15 +41,33 @@ class Synthesis(NamedTuple):
 
 
 def synthesize(contours, curves, pieces, handles, nodes, rotation, feature_size, method="exact"):
-    """Connect the levels: :class:`Synthesis`.
+    """Connect the levels into Reeb graphs.
 
-    contours : the table, `geometry` aside; curves : its :func:`tables.contour_curves`
+    Parameters
+    ----------
+    contours : pyarrow.Table
+        The table `contours`, without `geometry`.
+    curves : Curves
+        Its curves, tilted frame (:func:`tables.contour_curves`).
+    pieces, handles, nodes : pyarrow.Table
+    rotation : (3, 3) float64
+        From the model frame to the tilted frame.
+    feature_size : float
+        Mesh units; the simplified graphs show nothing below it.
+    method : {"exact", "similarity", "proximity"}
+        The links of the mesh; Boolean 2D shape similarity, as in the paper;
+        nearest centroids.
 
-    feature_size : mesh units; the simplified graphs show nothing below it.
+    Returns
+    -------
+    Synthesis
+        All edges carry their Boolean similarity, and `linked` says whether the
+        mesh links their ends.
 
-    method : "exact", the links of the mesh; "similarity", Boolean 2D shape
-    similarity; "proximity", nearest centroids. All edges carry their Boolean
-    similarity, and `linked` says whether the mesh links their ends.
+    References
+    ----------
+    Pareja-Corcho et al., Synthesis of Reeb Graph and Morse Operators from Level
+    Sets of a Boundary Representation, section on edges.
     """
     outlines = region_outlines(contours, curves)
     centres = contour_centres(contours, curves, rotation)
@@ -93,13 +111,13 @@ def synthesize(contours, curves, pieces, handles, nodes, rotation, feature_size,
 
 
 def block_links(pieces, contours):
-    """The pairs of regions that one block joins, the lower first: {pair: block}."""
+    """List the pairs of regions, the lower first, that a block joins: {pair: block}."""
     ends = zip(*block_regions(pieces, contours))
     return {(low, high): block for block, (below, above) in enumerate(ends) for low in below for high in above}
 
 
 def link_contours(contours, curves, link):
-    """Links between contours of consecutive levels, outer and inner ones apart."""
+    """Link contours of consecutive levels by the rule `link`, outer and inner ones apart: a sorted list of pairs."""
     level, height = contours["level"].to_numpy(), contours["height"].to_numpy()
     inner = contours["inner"].to_numpy(zero_copy_only=False)
     shapes = outline_polygons(contour_outlines(contours, curves))
@@ -112,18 +130,31 @@ def link_contours(contours, curves, link):
 
 
 def contour_centres(contours, curves, rotation):
-    """Centroids of the contours, (C, 3), model frame."""
+    """Return the centroids of the contours, (C, 3) float64, model frame."""
     centres = curve_centres(*curves)
     return np.column_stack([centres, contours["height"].to_numpy()]) @ np.asarray(rotation)
 
 
 def joint_rows(parts, points, height, handles, held):
-    """Rows {id: x, y, z, height, index, side, ...} of all joints of `parts`.
+    """Describe all joints of some parts.
 
-    held : the number of handles in each part; a joint that is alone in its
-    part stands for all of them (`n_handles`). A joint that is no handle,
-    because the mesh was not asked, lies amid the points around it and has what
-    their numbers suggest.
+    Parameters
+    ----------
+    parts : GraphParts
+    points, height : (R, 3), (R,) float64
+        Of the items.
+    handles : dict
+        Row of every handle by its id.
+    held : Counter
+        Handles in each part; a joint that is alone in its part stands for all of
+        them (`n_handles`).
+
+    Returns
+    -------
+    dict
+        Row with x, y, z, height, index, side, ... of every joint by its id. A
+        joint that is no handle, because the mesh was not asked, lies amid the
+        items around it and has what their numbers suggest.
     """
     rows = {}
     for part, (lower, upper, joints) in enumerate(zip(parts.below, parts.above, parts.joints)):
@@ -142,7 +173,7 @@ def joint_rows(parts, points, height, handles, held):
 
 
 def edges_table(pairs, truth, parts, joints, outlines, level, method):
-    """The table `edges`: one row per pair of linked regions, with similarity."""
+    """Make the table `edges`: one row per pair of linked regions, with its Boolean similarity."""
     part_of = {low: part for part, lower in enumerate(parts.below) for low in lower}
     source, target = np.array(pairs, np.int64).reshape(-1, 2).T
     inside = [parts.joints[part_of[low]] for low in source.tolist()]
