@@ -32,7 +32,7 @@ from corpus.discovery import find_models
 from reebslice.formats.meshes import read_mesh
 from reebslice.mesh.half_edges import find_twins
 from reebslice.mesh.inspection import inspect_surface
-from reebslice.morse.height_mesh import order_by_height
+from reebslice.morse.ordered_mesh import order_by_height
 from reebslice.morse.unfolding import unfold_saddles
 from reebslice.tilt.choice import (
     ANGLE_COST,

@@ -16,7 +16,7 @@ import solids
 from corpus.surfaces import read_faces, read_points
 from pipeline import OPTIONS
 from reebslice.morse.critical_points import vertex_indices
-from reebslice.morse.height_mesh import order_by_height, tilt_points
+from reebslice.morse.ordered_mesh import order_by_height, tilt_points
 from reebslice.morse.reeb_graph import critical_persistence, surface_reeb_graph
 from reebslice.morse.unfolding import unfold_saddles
 from reebslice.slicing.levels import pierce

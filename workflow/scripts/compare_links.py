@@ -6,8 +6,7 @@ from corpus.stages import run_batch
 from corpus.storage import write_table
 from corpus.surfaces import read_faces, read_points, vertex_bodies
 from reebslice.links.comparison import compare_rules, model_half
-from reebslice.morse.height_mesh import order_by_height
-from reebslice.morse.unfolding import unfold_saddles
+from reebslice.morse.height_mesh import height_mesh
 from reebslice.schemas import SCHEMAS, build_table
 from reebslice.slicing.levels import make_levels, uniform_heights
 from reebslice.slicing.slices import cut_surface
@@ -27,7 +26,7 @@ def main(source, target, options):
     rows = []
     for tilt in options["tilts"]:
         rotation = choose_rotation(points, faces, tilt, options)
-        mesh = unfold_saddles(order_by_height(points, faces, rotation))
+        mesh = height_mesh(points, faces, rotation)
         shell, body = vertex_bodies(source, mesh)
         for count in options["levels"]:
             same = {"model": source.name, "half": model_half(source.name), "tilt": tilt, "n_levels": count}

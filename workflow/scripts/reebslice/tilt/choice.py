@@ -6,7 +6,7 @@ import numpy as np
 from numba import njit
 
 from ..mesh.orders import height_order
-from ..morse.height_mesh import tilt_points
+from ..morse.ordered_mesh import tilt_points
 from .cone import gather_neighbours, survey_surface
 from .scan import find_critical_points, heights_along, scan_directions
 from .score import blank_buffers, fewest_levels, find_significant
