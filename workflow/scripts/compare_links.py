@@ -14,18 +14,19 @@ from reebslice.slicing.tables import contours_table, pieces_table
 from reebslice.tilt.choice import select_tilt
 
 OUTPUTS = ("comparison.parquet",)
+SEED = 0  # of the random direction
 
 
 def main(source, target, options):
     """Compare on the model in folder `source`, write the counts to folder `target`.
 
     options : `levels`, numbers of levels; `tilts`, of "none", "auto" and
-    "random"; `cone`, `candidates`, `seed` of the directions tried.
+    "random".
     """
     points, faces = read_points(source), read_faces(source)
     rows = []
     for tilt in options["tilts"]:
-        rotation = choose_rotation(points, faces, tilt, options)
+        rotation = choose_rotation(points, faces, tilt)
         mesh = height_mesh(points, faces, rotation)
         shell, body = vertex_bodies(source, mesh)
         for count in options["levels"]:
@@ -38,13 +39,12 @@ def main(source, target, options):
     write_table(target / "comparison.parquet", "comparison", build_table("comparison", columns))
 
 
-def choose_rotation(points, faces, tilt, options):
+def choose_rotation(points, faces, tilt):
     """Rotation to the tilted frame, (3, 3); a random direction is any of the sphere, one for all models."""
     if tilt == "random":
-        direction = np.random.default_rng(options["seed"]).normal(size=3).tolist()
-        record = select_tilt(points, faces, "direction", direction)
+        record = select_tilt(points, faces, "direction", np.random.default_rng(SEED).normal(size=3))
     else:
-        record = select_tilt(points, faces, tilt, **{name: options[name] for name in ("cone", "candidates", "seed")})
+        record = select_tilt(points, faces, tilt)
     return np.array(record["rotation"])
 
 
