@@ -16,7 +16,7 @@ from bumpy_meshes import bumpy_torus, level_heights, white_noise
 from reebslice.graphs.exact import solid_reeb_graph
 from reebslice.mesh.merging import merge_exactly
 from reebslice.morse.critical_points import vertex_indices
-from reebslice.morse.height_mesh import order_by_height
+from reebslice.morse.ordered_mesh import order_by_height
 from reebslice.morse.reeb_graph import surface_reeb_graph
 from reebslice.morse.unfolding import unfold_saddles
 from reebslice.slicing.contours import trace_contours

@@ -33,15 +33,15 @@ class Entrant(NamedTuple):
 
 
 def order_mesh(points, faces):
-    from reebslice.morse.height_mesh import order_by_height
+    from reebslice.morse.ordered_mesh import order_by_height
 
     return order_by_height(points, faces, np.eye(3))
 
 
 def order_simple(points, faces):
-    from reebslice.morse.unfolding import unfold_saddles
+    from reebslice.morse.height_mesh import height_mesh
 
-    return unfold_saddles(order_mesh(points, faces))
+    return height_mesh(points, faces)
 
 
 def trace(mesh, heights):

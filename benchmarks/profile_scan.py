@@ -89,7 +89,7 @@ def read(_, folder, name, __):
 
 def cut(_, folder, name, levels):
     """From arrays to nested contours."""
-    from reebslice.morse.height_mesh import order_by_height
+    from reebslice.morse.ordered_mesh import order_by_height
     from reebslice.slicing.slices import nested_contours
 
     points, faces = np.load(folder / f"{name}.npz").values()

@@ -22,7 +22,7 @@ STAGES = {
 }
 OPTIONS = {
     "inspect": {"repair": ["merge", "duplicates", "split", "orient"], "merge_tolerance": 1e-6},
-    "tilt": {"mode": "none", "direction": None, "cone": 15, "candidates": 8, "seed": 0},
+    "tilt": {"mode": "none", "direction": None},
     "levels": {"distance": 0.1, "units": "relative", "refine": "exact", "feature_size": 0.2},
     "nodes": {"sampler": "representative"},
     "edges": {"method": "exact"},

@@ -30,7 +30,7 @@ from reebslice.links.comparison import (
 from reebslice.links.similarity import near_pairs
 
 ROOT = Path(__file__).parent.parent
-OPTIONS = {"levels": [8, 40], "tilts": ["none", "random"], "cone": 15, "candidates": 8, "seed": 0}
+OPTIONS = {"levels": [8, 40], "tilts": ["none", "random"]}
 
 # Region 0 at level 0 splits into 1 and 2, which go on as 3 and 4 and merge into 5; 6 is new beside it.
 LEVEL = np.array([0, 1, 1, 2, 2, 3, 3])

@@ -11,8 +11,7 @@ from corpus.storage import read_blocks, read_table, write_blocks
 from reebslice.arrays.grouping import split_into_blocks
 from reebslice.mesh.half_edges import find_twins
 from reebslice.mesh.orders import canonical_faces
-from reebslice.morse.height_mesh import order_by_height
-from reebslice.morse.unfolding import unfold_saddles
+from reebslice.morse.height_mesh import height_mesh
 from reebslice.slicing import tables
 from reebslice.slicing.contours import measure_contours, trace_blocks, trace_contours, trace_crossings
 from reebslice.slicing.levels import make_levels, uniform_heights, vertex_slabs
@@ -25,7 +24,7 @@ cases = given(solids.any_solids(), st.integers(0, 3), st.integers(1, 12))
 
 def sliced(solid, seed, count):
     rotation = np.eye(3) if seed == 0 else solids.rotation(seed)
-    mesh = unfold_saddles(order_by_height(solid.points, solid.faces, rotation))
+    mesh = height_mesh(solid.points, solid.faces, rotation)
     low, high = mesh.points[[0, -1], 2]
     return mesh, make_levels(mesh, uniform_heights(low, high, (high - low) / count))
 

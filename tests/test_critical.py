@@ -9,13 +9,13 @@ import solids
 from reebslice.handles.sides import link_areas, saddle_contours
 from reebslice.mesh.half_edges import find_twins
 from reebslice.morse.critical_points import morse_indices, vertex_indices
-from reebslice.morse.height_mesh import cross_at, order_by_height
+from reebslice.morse.ordered_mesh import cross_at, order_by_height
 from reebslice.morse.reeb_graph import critical_persistence, surface_reeb_graph
 from reebslice.morse.unfolding import unfold_saddles
 from reebslice.slicing.pairing import connected_vertices
 
 
-def height_mesh(solid, seed=None):
+def ordered_mesh(solid, seed=None):
     rotation = np.eye(3) if seed is None else solids.rotation(seed)
     return order_by_height(solid.points, solid.faces, rotation)
 
@@ -25,12 +25,12 @@ def euler_characteristic(solid):
 
 
 def test_a_flat_subdivided_box_has_two_critical_points():
-    index = vertex_indices(height_mesh(solids.cube(subdivisions=3)))
+    index = vertex_indices(ordered_mesh(solids.cube(subdivisions=3)))
     assert sorted(index[index != 0]) == [1, 1]
 
 
 def test_twins_run_back_along_the_same_edge():
-    mesh = height_mesh(solids.torus(), seed=1)
+    mesh = ordered_mesh(solids.torus(), seed=1)
     tail = mesh.faces.ravel()
     head = np.roll(mesh.faces, -1, axis=1).ravel()
     assert (tail[mesh.twins] == head).all() and (mesh.twins[mesh.twins] == np.arange(len(tail))).all()
@@ -45,7 +45,7 @@ def test_twins_refuse_what_is_not_closed_and_oriented(faces):
 @given(solids.any_solids(), st.integers(0, 3))
 @settings(max_examples=40, deadline=None, derandomize=True)
 def test_indices_sum_to_the_euler_characteristic(solid, seed):
-    mesh = height_mesh(solid, seed)
+    mesh = ordered_mesh(solid, seed)
     unfolded = unfold_saddles(mesh)
     assert vertex_indices(mesh).sum() == vertex_indices(unfolded).sum() == euler_characteristic(solid)
     assert vertex_indices(unfolded).min() >= -1
@@ -54,7 +54,7 @@ def test_indices_sum_to_the_euler_characteristic(solid, seed):
 @pytest.mark.parametrize("petals", [3, 4, 6])
 def test_a_multiple_saddle_unfolds_in_place(petals):
     solid = solids.monkey_saddle(petals)
-    mesh = height_mesh(solid)
+    mesh = ordered_mesh(solid)
     assert vertex_indices(mesh).min() == 1 - petals
     unfolded = unfold_saddles(mesh)
     copies = np.flatnonzero(np.bincount(unfolded.vertex) == petals - 1)
@@ -65,7 +65,7 @@ def test_a_multiple_saddle_unfolds_in_place(petals):
 
 
 def test_upright_torus_has_the_four_textbook_points():
-    mesh = height_mesh(solids.torus(upright=True, around=16, across=8), seed=0)
+    mesh = ordered_mesh(solids.torus(upright=True, around=16, across=8), seed=0)
     critical = np.flatnonzero(vertex_indices(mesh))
     assert morse_indices(mesh, critical).tolist() == [0, 1, 1, 2]
     graph = surface_reeb_graph(mesh)
@@ -79,7 +79,7 @@ def test_upright_torus_has_the_four_textbook_points():
 def test_the_lower_of_two_feet_pairs_with_nothing():
     # An arch on two feet of different length: the shorter foot ends where they meet.
     arch = solids.arch()
-    mesh = height_mesh(solids.Solid(arch.points + 0.1 * arch.points[:, [2, 2, 0]] * [0, 0, 1], arch.faces))
+    mesh = ordered_mesh(solids.Solid(arch.points + 0.1 * arch.points[:, [2, 2, 0]] * [0, 0, 1], arch.faces))
     graph, index = surface_reeb_graph(mesh), vertex_indices(mesh)
     low, high = graph.nodes, graph.nodes[graph.partner]
     feet = (index[low] == 1) & (index[high] == -1)
@@ -90,7 +90,7 @@ def test_the_lower_of_two_feet_pairs_with_nothing():
 
 
 def test_areas_at_an_extremum_tell_material_from_void():
-    ball, void = height_mesh(solids.icosphere(2), 3), height_mesh(solids.carve(solids.icosphere(2)), 3)
+    ball, void = ordered_mesh(solids.icosphere(2), 3), ordered_mesh(solids.carve(solids.icosphere(2)), 3)
     ends = np.array([0, len(ball.points) - 1])
     # seen from above, the lowest link of a ball runs clockwise
     assert np.sign(link_areas(ball, ends)).tolist() == [-1, 1]
@@ -98,7 +98,7 @@ def test_areas_at_an_extremum_tell_material_from_void():
 
 
 def test_contours_at_the_saddles_of_a_torus():
-    mesh = height_mesh(solids.torus(upright=True, around=24, across=12), seed=0)
+    mesh = ordered_mesh(solids.torus(upright=True, around=24, across=12), seed=0)
     saddles = np.flatnonzero(vertex_indices(mesh) == -1)
     below, above = saddle_contours(mesh, saddles)
     # the lower saddle parts the disk in two, the upper one joins them again
@@ -109,7 +109,7 @@ def test_contours_at_the_saddles_of_a_torus():
 
 
 def test_components_are_numbered_by_their_lowest_vertex():
-    mesh = height_mesh(solids.linked_rings())
+    mesh = ordered_mesh(solids.linked_rings())
     shell = connected_vertices(mesh)
     assert shell.max() == 1 and shell[0] == 0
 

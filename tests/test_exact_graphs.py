@@ -13,9 +13,8 @@ from reebslice.graphs.exact import exact_graphs
 from reebslice.mesh.half_edges import find_twins
 from reebslice.mesh.orders import canonical_faces
 from reebslice.morse.critical_points import vertex_indices
-from reebslice.morse.height_mesh import order_by_height
+from reebslice.morse.height_mesh import height_mesh
 from reebslice.morse.reeb_graph import surface_reeb_graph
-from reebslice.morse.unfolding import unfold_saddles
 from reebslice.slicing.contours import trace_crossings
 from reebslice.slicing.graph_slices import contours_of_arcs, trace_arcs_at_levels
 from reebslice.slicing.levels import make_levels, uniform_heights
@@ -26,7 +25,7 @@ from test_laws import cases
 
 
 def simple_mesh(solid, seed):
-    return unfold_saddles(order_by_height(solid.points, solid.faces, solids.rotation(seed)))
+    return height_mesh(solid.points, solid.faces, solids.rotation(seed))
 
 
 def ends(graph):
@@ -114,8 +113,7 @@ def test_the_solid_has_the_loops_that_exact_levels_show(solid, seed):
 @cases(40)
 @given(st.one_of(solids.cones(), solids.wedge_solids(), solids.any_solids()), st.sampled_from([None, 1]))
 def test_an_unfolded_mesh_is_in_canonical_order(solid, seed):
-    mesh = order_by_height(solid.points, solid.faces, np.eye(3) if seed is None else solids.rotation(seed))
-    mesh = unfold_saddles(mesh)
+    mesh = height_mesh(solid.points, solid.faces, None if seed is None else solids.rotation(seed))
     n = len(mesh.points)
     assert (canonical_faces(mesh.faces, np.arange(n, dtype=np.int32)) == mesh.faces).all()
     assert (find_twins(mesh.faces, n) == mesh.twins).all()

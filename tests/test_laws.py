@@ -13,8 +13,7 @@ from hypothesis import strategies as st
 import pipeline
 import reference
 import solids
-from reebslice.morse.height_mesh import order_by_height
-from reebslice.morse.unfolding import unfold_saddles
+from reebslice.morse.height_mesh import height_mesh
 from reebslice.schemas import EVENTS
 
 pytestmark = pytest.mark.skipif(bool(pipeline.missing_stages()), reason=f"no stages {pipeline.missing_stages()}")
@@ -150,7 +149,7 @@ def check_parted(c):
     if not c.parted:
         return
     vertices = np.array([[row[axis] for axis in "xyz"] for row in c.result.vertices])
-    mesh = unfold_saddles(order_by_height(vertices, np.array(c.result.faces), c.result.tilt["rotation"]))
+    mesh = height_mesh(vertices, np.array(c.result.faces), c.result.tilt["rotation"])
     origin, faces = mesh.vertex.tolist(), [tuple(face) for face in mesh.faces.tolist()]
     order = {(face[k], face[(k + 1) % 3]): (f, k) for f, face in enumerate(faces) for k in range(3)}
     heights, exact = reference.tilt_slightly(c.result.points)

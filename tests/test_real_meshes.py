@@ -15,7 +15,7 @@ LARGEST = 60_000  # faces; the larger ones take most of the time and show nothin
 pytestmark = pytest.mark.skipif(not (CORPUS / "MANIFEST.csv").is_file(), reason="the corpus ../shared/meshes is absent")
 
 DEFAULT = {
-    "tilt": {"mode": "auto", "cone": 15, "candidates": 32, "seed": 0},
+    "tilt": {"mode": "auto"},
     "levels": {"distance": 0.01, "units": "relative", "refine": "feature", "feature_size": 0.02},
     "nodes": {"sampler": "inscribed"},
 }
@@ -55,7 +55,7 @@ def test_the_default_config_certifies(row, tmp_path):
 
 @pytest.mark.parametrize("row", accepted(), ids=lambda row: row["file"])
 def test_exact_refinement_resolves_everything(row, tmp_path):
-    certificate = run(row, tmp_path, levels={"refine": "exact"}, tilt={"candidates": 4})
+    certificate = run(row, tmp_path, levels={"refine": "exact"})
     assert certificate["verdict"] == "exact"
     assert certificate["hidden_genus"] == certificate["compound"] == certificate["unseen"] == 0
 

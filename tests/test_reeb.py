@@ -10,20 +10,24 @@ from hypothesis import strategies as st
 
 import reference
 import solids
-from reebslice.graphs.simplification import extended_pairs, simplify_graph
+from reebslice.graphs.simplification import simplify_graph
 from reebslice.morse.critical_points import vertex_indices
-from reebslice.morse.height_mesh import order_by_height
+from reebslice.morse.height_mesh import height_mesh
+from reebslice.morse.persistence import extended_pairs
 from reebslice.morse.reeb_graph import critical_persistence, surface_reeb_graph
-from reebslice.morse.unfolding import unfold_saddles
 from reebslice.slicing.contours import trace_contours
 from reebslice.slicing.levels import make_levels, uniform_heights
 from reebslice.slicing.sampling import event_spans, fewest_uniform_levels, sampling_figures
 from test_laws import cases
 
 
-def height_mesh(solid, seed=None):
-    rotation = np.eye(3) if seed is None else solids.rotation(seed)
-    return unfold_saddles(order_by_height(solid.points, solid.faces, rotation))
+def mesh_of(solid, seed=None):
+    return height_mesh(solid.points, solid.faces, None if seed is None else solids.rotation(seed))
+
+
+def pairs_of(n_nodes, arcs):
+    """Pairs of components of sublevel sets, of superlevel sets, and of loops, three sorted lists."""
+    return tuple(sorted(map(tuple, pairs.tolist())) for pairs in extended_pairs(n_nodes, arcs)[:3])
 
 
 def reduce_boundaries(n_nodes, arcs):
@@ -74,7 +78,7 @@ def graphs(draw, most=24):
 @cases(60)
 @given(solids.any_solids(), st.sampled_from([None, 1]))
 def test_the_graph_without_levels_is_that_of_the_reference(solid, seed):
-    mesh = height_mesh(solid, seed)
+    mesh = mesh_of(solid, seed)
     graph = surface_reeb_graph(mesh)
     points = np.empty_like(solid.points)
     points[mesh.vertex] = mesh.points
@@ -92,7 +96,7 @@ def test_the_graph_without_levels_is_that_of_the_reference(solid, seed):
 @cases(40)
 @given(solids.any_solids(), st.integers(0, 5))
 def test_partners_are_those_of_the_reduced_matrix(solid, seed):
-    mesh = height_mesh(solid, seed)
+    mesh = mesh_of(solid, seed)
     graph = surface_reeb_graph(mesh)
     assert (graph.partner[graph.partner] == np.arange(len(graph.nodes))).all()
     pairs = reduce_boundaries(len(graph.nodes), list(map(tuple, graph.arcs.tolist())))
@@ -105,7 +109,7 @@ def test_partners_are_those_of_the_reduced_matrix(solid, seed):
 @cases(30)
 @given(solids.any_solids(), st.integers(0, 5), st.integers(1, 9))
 def test_every_level_cuts_as_many_arcs_as_it_has_contours(solid, seed, count):
-    mesh = height_mesh(solid, seed)
+    mesh = mesh_of(solid, seed)
     graph = surface_reeb_graph(mesh)
     levels = make_levels(
         mesh, uniform_heights(mesh.points[0, 2], mesh.points[-1, 2], np.ptp(mesh.points[:, 2]) / count)
@@ -117,7 +121,7 @@ def test_every_level_cuts_as_many_arcs_as_it_has_contours(solid, seed, count):
 
 @pytest.mark.parametrize("holes", [1, 2, 5])
 def test_loops_of_a_plate_are_its_holes(holes):
-    mesh = height_mesh(solids.plate(holes, upright=True), 2)
+    mesh = mesh_of(solids.plate(holes, upright=True), 2)
     graph = surface_reeb_graph(mesh)
     assert len(graph.arcs) - len(graph.nodes) + 1 == holes
     index = vertex_indices(mesh)[graph.nodes]
@@ -125,7 +129,7 @@ def test_loops_of_a_plate_are_its_holes(holes):
 
 
 def test_persistence_of_an_upright_torus():
-    mesh = height_mesh(solids.torus(upright=True, around=16, across=8), 0)
+    mesh = mesh_of(solids.torus(upright=True, around=16, across=8), 0)
     graph = surface_reeb_graph(mesh)
     heights = mesh.points[graph.nodes, 2]
     assert graph.partner.tolist() == [3, 2, 1, 0]
@@ -142,7 +146,10 @@ def test_persistence_of_an_upright_torus():
 @cases(400)
 @given(graphs())
 def test_extended_pairs_are_those_of_the_reduced_matrix(graph):
-    assert tuple(map(sorted, extended_pairs(*graph))) == reduce_boundaries(*graph)
+    n, arcs = graph
+    assert pairs_of(n, arcs) == reduce_boundaries(n, arcs)
+    parts = nx.connected_components(nx.MultiGraph(arcs))
+    assert sorted(map(tuple, extended_pairs(n, arcs).extremes.tolist())) == sorted((min(p), max(p)) for p in parts)
 
 
 @cases(400)
@@ -158,7 +165,7 @@ def test_a_simplified_graph_keeps_what_is_large_and_nothing_else(graph, random, 
     def large(pairs):
         return [sorted(p for p in kind if heights[p[1]] - heights[p[0]] >= size) for kind in pairs]
 
-    before, after = extended_pairs(n, arcs), extended_pairs(n, left)
+    before, after = pairs_of(n, arcs), pairs_of(n, left)
     assert large(after) == list(map(sorted, after))
     assert len(after[2]) <= len(before[2])
     if len(large(before)[2]) == len(before[2]):  # only gluing a loop may move other pairs
@@ -189,7 +196,7 @@ def test_a_node_that_does_not_branch_stays_if_asked():
 @cases(60)
 @given(solids.any_solids(), st.integers(0, 5))
 def test_the_number_of_uniform_levels_is_the_least_that_works(solid, seed):
-    mesh = height_mesh(solid, seed)
+    mesh = mesh_of(solid, seed)
     graph = surface_reeb_graph(mesh)
     spans = mesh.points[graph.nodes, 2][graph.arcs]
     spans = spans[spans[:, 0] < spans[:, 1]]

@@ -9,8 +9,7 @@ import solids
 from corpus.stages import Rejected
 from pipeline import run_stages
 from reebslice.morse.critical_points import vertex_indices
-from reebslice.morse.height_mesh import order_by_height
-from reebslice.morse.unfolding import unfold_saddles
+from reebslice.morse.height_mesh import height_mesh
 from reebslice.slicing.contours import measure_contours, trace_contours
 from reebslice.slicing.levels import cut_between, make_levels, pierce, uniform_heights
 from reebslice.slicing.pairing import connected_vertices
@@ -21,7 +20,7 @@ from reebslice.slicing.tables import contours_table
 
 def mesh_of(solid, seed=None):
     rotation = np.eye(3) if seed is None else solids.rotation(seed)
-    return unfold_saddles(order_by_height(solid.points, solid.faces, rotation))
+    return height_mesh(solid.points, solid.faces, rotation)
 
 
 def cut(solid, heights, seed=None, body=None):

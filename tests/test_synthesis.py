@@ -21,7 +21,6 @@ from reebslice.planar.curves import curve_centres
 from reebslice.planar.outlines import find_outlines, mend_outlines, outline_areas, outline_polygons
 from reebslice.planar.shared_areas import shared_areas
 from reebslice.schemas import GRAPHS
-from reebslice.tilt.choice import candidate_directions, height_rounding, rotation_to_vertical, select_tilt
 
 
 def box(x, y, width, depth=1.0):
@@ -237,39 +236,6 @@ def test_a_chain_of_events_is_a_chain_of_nodes():
     arcs = trace_arcs(GraphParts([[], [0], [1]], [[0], [1], []], [[0], [1, 2], [3]], [-1, 0, 1], np.ones(3)))
     assert [(arc["source"], arc["target"], arc["nodes"]) for arc in arcs] == [(0, 1, [0]), (1, 2, []), (2, 3, [1])]
     assert sum(arc["measure"] for arc in arcs) == pytest.approx(3)
-
-
-@pytest.mark.parametrize("direction", [(0, 0, 1), (0, 0, -1), (1, 0, 0), (0.6, 0, 0.8), (-0.48, 0.6, -0.64)])
-def test_rotation_takes_the_direction_to_vertical(direction):
-    rotation = rotation_to_vertical(np.array(direction, float))
-    assert rotation[2].tolist() == list(direction)
-    assert rotation @ rotation.T == pytest.approx(np.eye(3), abs=1e-15)
-    assert np.linalg.det(rotation) == pytest.approx(1)
-
-
-def test_candidates_lie_in_the_cone_and_are_seeded():
-    directions = candidate_directions(200, 20.0, seed=3)
-    assert directions[0].tolist() == [0, 0, 1]
-    assert np.linalg.norm(directions, axis=1) == pytest.approx(1)
-    assert np.degrees(np.arccos(directions[:, 2])).max() <= 20 + 1e-9
-    assert (directions == candidate_directions(200, 20.0, seed=3)).all()
-
-
-def test_a_box_is_morse_by_sos_upright_and_proven_once_tilted():
-    cube = solids.cube(subdivisions=2)
-    upright = select_tilt(cube.points, cube.faces, "none")
-    assert (upright["morse"], upright["margin"], upright["angle"]) == ("by_sos", 0.0, 0.0)
-    tilted = select_tilt(cube.points, cube.faces, "auto")
-    assert tilted["morse"] == "proven" and 0 < tilted["angle"] <= 15
-    assert tilted["margin"] > tilted["rounding"] > 0
-    assert tilted["critical"] == {"minima": 1, "saddles": 0, "maxima": 1}
-
-
-def test_a_given_direction_is_taken_whatever_its_length():
-    ball = solids.icosphere(1)
-    record = select_tilt(ball.points, ball.faces, "direction", direction=[0, 3, 4])
-    assert record["direction"] == [0, 0.6, 0.8] and record["mode"] == "direction"
-    assert height_rounding(ball.points, np.array([[0.0, 0.0, -1.0]])).tolist() == [0]
 
 
 @pytest.mark.parametrize("method", ["similarity", "proximity"])

@@ -164,7 +164,7 @@ def test_a_second_run_does_nothing(folder):
     "option, first",
     [
         ("inspect={merge_tolerance: 1e-7}", "inspect_mesh"),
-        ("tilt={mode: none, seed: 1}", "select_tilt"),
+        ("tilt={mode: auto}", "select_tilt"),
         ("levels={distance: 0.25}", "slice_mesh"),
         ("nodes={sampler: centroid}", "sample_nodes"),
         ("edges={method: proximity}", "synthesize_edges"),

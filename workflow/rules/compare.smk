@@ -11,7 +11,7 @@ rule compare_links:
     output:
         status="results/status/compare_links/{batch}.parquet",
     params:
-        options=config["compare"] | {key: config["tilt"][key] for key in ("cone", "candidates", "seed")},
+        options=config["compare"],
         code=digest_code(SCRIPTS / "compare_links.py"),
     log:
         "results/logs/compare_links/{batch}.log",

@@ -6,8 +6,7 @@ from corpus.stages import run_batch
 from corpus.storage import write_table
 from corpus.surfaces import read_faces, read_points, vertex_bodies
 from reebslice.links.comparison import compare_rules, model_half
-from reebslice.morse.height_mesh import order_by_height
-from reebslice.morse.unfolding import unfold_saddles
+from reebslice.morse.height_mesh import height_mesh
 from reebslice.schemas import SCHEMAS
 from reebslice.slicing.levels import make_levels, uniform_heights
 from reebslice.slicing.slices import cut_surface
@@ -16,19 +15,20 @@ from reebslice.table_checks import build_table
 from reebslice.tilt.choice import select_tilt
 
 OUTPUTS = ("comparison.parquet",)
+SEED = 0  # of the random direction
 
 
 def main(source, target, options):
     """Compare on the model in folder `source`, write the counts to folder `target`.
 
     options : `levels`, numbers of levels; `tilts`, of "none", "auto" and
-    "random"; `cone`, `candidates`, `seed` of the directions tried.
+    "random".
     """
     points, faces = read_points(source), read_faces(source)
     rows = []
     for tilt in options["tilts"]:
-        rotation = choose_rotation(points, faces, tilt, options)
-        mesh = unfold_saddles(order_by_height(points, faces, rotation))
+        rotation = choose_rotation(points, faces, tilt)
+        mesh = height_mesh(points, faces, rotation)
         shell, body = vertex_bodies(source, mesh)
         for count in options["levels"]:
             same = {"model": source.name, "half": model_half(source.name), "tilt": tilt, "n_levels": count}
@@ -40,13 +40,12 @@ def main(source, target, options):
     write_table(target / "comparison.parquet", "comparison", build_table("comparison", columns))
 
 
-def choose_rotation(points, faces, tilt, options):
+def choose_rotation(points, faces, tilt):
     """Rotation to the tilted frame, (3, 3); a random direction is any of the sphere, one for all models."""
     if tilt == "random":
-        direction = np.random.default_rng(options["seed"]).normal(size=3).tolist()
-        record = select_tilt(points, faces, "direction", direction)
+        record = select_tilt(points, faces, "direction", np.random.default_rng(SEED).normal(size=3))
     else:
-        record = select_tilt(points, faces, tilt, **{name: options[name] for name in ("cone", "candidates", "seed")})
+        record = select_tilt(points, faces, tilt)
     return np.array(record["rotation"])
 
 

@@ -2,8 +2,7 @@
 
 import numpy as np
 
-from reebslice.morse.height_mesh import order_by_height
-from reebslice.morse.unfolding import unfold_saddles
+from reebslice.morse.height_mesh import height_mesh
 
 from .storage import read_json, read_table
 
@@ -37,7 +36,7 @@ def read_height_mesh(folder, points=None):
     points : its :func:`read_points`, if they are at hand.
     """
     points = read_points(folder) if points is None else points
-    return unfold_saddles(order_by_height(points, read_faces(folder), read_rotation(folder)))
+    return height_mesh(points, read_faces(folder), read_rotation(folder))
 
 
 def vertex_bodies(folder, mesh):

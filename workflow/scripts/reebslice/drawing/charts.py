@@ -8,7 +8,7 @@ from ..links.comparison import EVERY, KINDS, METHODS, rates
 # Okabe and Ito's colours, told apart by the colour-blind too.
 COLOURS = {"similarity": "#0072B2", "groups": "#E69F00", "overlap": "#009E73", "proximity": "#CC79A7"}
 MARKERS = {"similarity": "o", "groups": "s", "overlap": "^", "proximity": "D"}
-TITLES = {"none": "up as in the file", "auto": "tilt chosen in a cone about it", "random": "a random direction"}
+TITLES = {"none": "up as in the file", "auto": "least tilt that makes the height Morse", "random": "a random direction"}
 ROWS = {"wrong": "slabs not wholly right, %", "missed": "links missed, per 1000", "false": "links false, per 1000"}
 
 

@@ -6,9 +6,8 @@ import numpy as np
 import scipy.sparse as sparse
 from scipy.sparse.csgraph import connected_components
 
-from ..morse.height_mesh import order_by_height
+from ..morse.height_mesh import height_mesh
 from ..morse.reeb_graph import critical_persistence, surface_reeb_graph
-from ..morse.unfolding import unfold_saddles
 from ..slicing.refinement import block_chains, exact_slices
 
 
@@ -54,7 +53,7 @@ def exact_graphs(points, faces, rotation=None, body_of_vertex=None):
     Raises ValueError where a mesh edge has no twin, and TooManyCrossingsError where
     the solid's would need hundreds of millions of points, as of white noise.
     """
-    mesh = unfold_saddles(order_by_height(points, faces, np.eye(3) if rotation is None else rotation))
+    mesh = height_mesh(points, faces, rotation)
     graph = surface_reeb_graph(mesh)
     body = np.zeros(len(mesh.points), np.int32) if body_of_vertex is None else np.asarray(body_of_vertex)[mesh.vertex]
     return _as_found(mesh, graph.nodes, graph.arcs), _as_found(mesh, *solid_reeb_graph(mesh, graph, body))

@@ -1,4 +1,4 @@
-"""Reeb graphs without the features below a size: extended persistence of any graph, and cancelling.
+"""Reeb graphs without the features below a size: pairs of extended persistence, cancelled one by one.
 
 A graph is given by its arcs between nodes 0, 1, ... in order of height; its
 nodes may have any degree, as a node that stands for several events has.
@@ -7,80 +7,8 @@ nodes may have any degree, as a node that stands for several events has.
 import heapq
 
 import numpy as np
-from numba import njit
 
-from ..arrays.components import find
-
-
-def extended_pairs(n_nodes, arcs):
-    """Extended persistence of a graph: three lists of (lower node, upper node).
-
-    Components of sublevel sets, (minimum, union); components of superlevel
-    sets, (separation, maximum); loops, (bottom, top), each top with the
-    thinnest loop below it. The lowest and the highest node of each component
-    of the graph belong to none. arcs : (A, 2) ints, lower end first.
-    """
-    arcs = np.asarray(arcs, np.int64).reshape(-1, 2)
-    last = n_nodes - 1
-    minima, tops = _elder_pairs(n_nodes, arcs)
-    maxima, _ = _elder_pairs(n_nodes, last - arcs[:, ::-1])
-    loops = _loop_pairs(n_nodes, arcs, *_sort_arms(n_nodes, arcs), tops)
-    return tuple(sorted(map(tuple, pairs.tolist())) for pairs in (minima, last - maxima[:, ::-1], loops))
-
-
-def _sort_arms(n_nodes, arcs):
-    """The arcs at every node, one after the other, and where those of each node begin."""
-    ends = arcs.ravel()
-    return np.argsort(ends, kind="stable") // 2, np.searchsorted(np.sort(ends), np.arange(n_nodes + 1))
-
-
-@njit(cache=True)
-def _elder_pairs(n_nodes, arcs):
-    """(birth, death) of the components of sublevel sets, (p, 2), and how many loops each node closes."""
-    root, pairs, closed = np.arange(n_nodes), np.empty((n_nodes, 2), np.int64), np.zeros(n_nodes, np.int64)
-    found = 0
-    for arc in np.argsort(arcs[:, 1], kind="mergesort"):
-        node = arcs[arc, 1]
-        a, b = find(root, arcs[arc, 0]), find(root, node)
-        if a == b:
-            closed[node] += 1
-            continue
-        old, young = min(a, b), max(a, b)  # the oldest member represents its component
-        root[young] = old
-        if young != node:
-            pairs[found] = young, node
-            found += 1
-    return pairs[:found], closed
-
-
-@njit(cache=True)
-def _loop_pairs(n_nodes, arcs, arms, start, closed):
-    """(bottom, top) of every loop.
-
-    From the top downward arcs are joined where they meet; a loop ends where
-    two groups meet that both hang from the top.
-    """
-    pairs, found = np.empty((closed.sum(), 2), np.int64), 0
-    root, hangs = np.arange(len(arcs)), np.zeros(len(arcs), np.bool_)
-    for top in np.flatnonzero(closed):
-        for arm in arms[start[top] : start[top + 1]]:
-            hangs[arm] = arcs[arm, 1] == top
-        node, left = top, closed[top]
-        while left > 0:
-            node -= 1
-            for arm in arms[start[node] : start[node + 1]]:
-                a, b = find(root, arms[start[node]]), find(root, arm)
-                if a != b:
-                    root[b] = a
-                    if hangs[a] and hangs[b]:
-                        pairs[found] = node, top
-                        found += 1
-                        left -= 1
-                    hangs[a] |= hangs[b]
-        for touched in range(node, top + 1):
-            for arm in arms[start[touched] : start[touched + 1]]:
-                root[arm], hangs[arm] = arm, False
-    return pairs
+from ..morse.persistence import extended_pairs
 
 
 def simplify_graph(height, arcs, measure, size, kept=()):
@@ -134,7 +62,8 @@ class _Strands:
     def small_pairs(self, size):
         """(low, high, side to glue on) of all pairs below `size`, the smallest first; loops have side 2."""
         kinds = extended_pairs(len(self.height), list(self.ends.values()))
-        pairs = [(*pair, side) for pairs, side in zip(kinds, (0, 1, 2)) for pair in pairs]
+        kinds = (kinds.ordinary, kinds.relative, kinds.loops)
+        pairs = [(*pair, side) for side, pairs in enumerate(kinds) for pair in pairs.tolist()]
         span = {pair: self.height[pair[1]] - self.height[pair[0]] for pair in pairs}
         return sorted((p for p in pairs if span[p] < size), key=lambda p: (span[p], p[1] - p[0], p))
 

@@ -3,7 +3,7 @@
 import numpy as np
 from numba import njit
 
-from ..morse.height_mesh import cross_at, next_half_edge
+from ..morse.ordered_mesh import cross_at, next_half_edge
 from ..slicing.exact_contours import exact_tilt, locate_corners, turns_clockwise, walk_crossings
 
 

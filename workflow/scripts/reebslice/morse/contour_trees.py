@@ -2,29 +2,79 @@
 
 Two sweeps, upward and downward, give the merge trees, and those give the
 contour tree (Carr, Snoeyink and Axen 2003, doi:10.1016/S0925-7721(02)00093-7).
-Only critical points are merged: a regular vertex belongs where the vertex next
-to it, on the side that the sweep comes from, belongs. The surface may be cut
-along contours (:mod:`loop_cuts`); each cut j then adds two nodes right below
-its vertex, cuts.top[j], the highest point of what is below the cut, and, one
-more, the lowest point of what is above.
+Only critical points are merged: a regular vertex belongs to the component of
+the vertex behind it, on the side that the sweep comes from. The surface may be
+cut along contours; the nodes are then the critical points and two per cut,
+numbered as :mod:`loop_cuts` says.
 """
+
+from typing import NamedTuple
 
 import numpy as np
 from numba import njit
 
 from ..arrays.components import find
-from .loop_cuts import divert
+from .loop_cuts import code_of_node, divert, number_nodes
+
+
+class Gates(NamedTuple):
+    """Ways from every vertex down and up, one through each wedge of its link.
+
+    A wedge is a run of the link on one side of the vertex's height. A regular
+    vertex has one lower and one upper wedge, a simple saddle two of either.
+
+    Attributes
+    ----------
+    rises : (n,) int32
+        Upper wedges where there are lower ones as well: 1 at a regular vertex,
+        0 at an extremum.
+    into : (n, 2) int32
+        Upward half-edges that arrive from the first two lower wedges, -1 where
+        there is none.
+    out : (n, 2) int32
+        Upward half-edges that leave into the first two upper wedges, -1 where
+        there is none.
+    """
+
+    rises: np.ndarray
+    into: np.ndarray
+    out: np.ndarray
+
+
+class MergeTree(NamedTuple):
+    """How the components of the sublevel sets, or of the superlevel sets, of N nodes unite.
+
+    Attributes
+    ----------
+    following : (N,) int32
+        The next node in the component of each, -1 for none.
+    children : (N, 2) int32
+        The nodes that each follows, in the order of its gates, -1 for none; two
+        where it unites two components.
+    """
+
+    following: np.ndarray
+    children: np.ndarray
 
 
 @njit(cache=True)
 def find_gates(faces, twins, n):
-    """Wedges of every link, and a way down and up through each.
+    """Find a way down and a way up through each wedge of every link.
 
-    faces : (m, 3) with the lowest corner first. Returns rises : (n,) int32,
-    the number of upper wedges of the link where it has lower ones as well (1:
-    regular, 0: extremum); into, out : (n, 2) int32, upward half-edges to the
-    vertex from each of its first two lower wedges and from it to the upper
-    ones, -1 where there is none. A regular vertex has one of either.
+    Parameters
+    ----------
+    faces : (m, 3) int32
+        Ranks, with the lowest corner first.
+    twins : (3 m,) int32
+        Of the mesh.
+    n : int
+        Number of vertices.
+
+    Returns
+    -------
+    Gates
+        Of vertices with more than two wedges, as multiple saddles have, of the
+        first two.
     """
     rises = np.zeros(n, np.int32)
     into, out = np.full((n, 2), np.int32(-1)), np.full((n, 2), np.int32(-1))
@@ -40,24 +90,33 @@ def find_gates(faces, twins, n):
                 into[b, 0] = 3 * f
         elif into[c, 0] < 0:
             into[c, 0] = 3 * f + 1
-    return rises, into, out
+    return Gates(rises, into, out)
 
 
 def merge_components(faces, gates, nodes, cuts, upward):
-    """Merge tree of the sublevel sets or, downward, of the superlevel sets, over N nodes.
+    """Build the merge tree of the sublevel sets or, downward, of the superlevel sets.
 
-    gates : `into` of `find_gates` for the upward sweep, `out` for the downward
-    one; nodes : (K,) critical vertices, which with the nodes of the cuts, in
-    ascending order, make the N. Returns, -1 for none, following : (N,) int32,
-    the next node in the component; children : (N, 2) int32, the nodes that it
-    follows, in the order of its gates; partner : (N,) int32, by the elder
-    rule: for the node that unites two components the one that began the
-    younger, and back.
+    Parameters
+    ----------
+    faces : (m, 3) int32
+        Of the mesh.
+    gates : (n, 2) int32
+        `Gates.into` for the upward sweep, `Gates.out` for the downward one.
+    nodes : (K,) int32
+        Ranks of the critical points, ascending.
+    cuts : Cuts
+        J contours along which the surface is cut.
+    upward : bool
+        Which way the sweep goes.
+
+    Returns
+    -------
+    MergeTree
+        Over N = K + 2 J nodes.
     """
-    number = (np.arange(len(nodes)) + 2 * np.searchsorted(cuts.vertex, nodes, side="right")).astype(np.int32)
     near = _neighbours(faces, gates, upward)
     behind_cuts = divert(near, faces, gates, cuts, upward) if len(cuts.vertex) else cuts.top
-    return _merge(_step_back(near, nodes, number, cuts.top, behind_cuts, upward), upward)
+    return _merge(_step_back(near, nodes, number_nodes(nodes, cuts), cuts.top, behind_cuts, upward), upward)
 
 
 @njit(cache=True)
@@ -75,10 +134,10 @@ def _neighbours(faces, gates, upward):
 def _step_back(near, nodes, number, top, behind_cuts, upward):
     """A node of the component that a sweep finds behind each gate of each node, (N, 2) int32, -1 for none.
 
-    near : (n, 2) the vertex behind each gate, or -2 - node where a cut comes before it.
+    near : (n, 2) the vertex behind each gate, or the code of a cut's node; behind_cuts : (J,) likewise.
     """
     n, k = len(near), len(nodes)
-    reached = np.empty(n, np.int32)  # from each vertex, going back through the first gates
+    reached = np.empty(n, np.int32)  # the node that is met from each vertex, going back through the first gates
     place = 0 if upward else k - 1
     for i in range(n):
         v = i if upward else n - 1 - i
@@ -86,49 +145,66 @@ def _step_back(near, nodes, number, top, behind_cuts, upward):
             reached[v] = number[place]
             place += 1 if upward else -1
         else:
-            reached[v] = reached[near[v, 0]] if near[v, 0] >= 0 else -2 - near[v, 0]
+            reached[v] = reached[near[v, 0]] if near[v, 0] >= 0 else code_of_node(near[v, 0])
     behind = np.full((k + 2 * len(top), 2), np.int32(-1))
     for place in range(k):
         for gate in range(2):
             met = near[nodes[place], gate]
             if met != -1:
-                behind[number[place], gate] = reached[met] if met >= 0 else -2 - met
+                behind[number[place], gate] = reached[met] if met >= 0 else code_of_node(met)
     for j in range(len(top)):
         met = behind_cuts[j]
-        behind[top[j] if upward else top[j] + 1, 0] = reached[met] if met >= 0 else -2 - met
+        behind[top[j] if upward else top[j] + 1, 0] = reached[met] if met >= 0 else code_of_node(met)
     return behind
 
 
 @njit(cache=True)
 def _merge(behind, upward):
+    """The merge tree of nodes behind whose gates `behind` (N, 2) lie, by union-find."""
     n = len(behind)
-    root = np.arange(n).astype(np.int32)  # the oldest member represents its component
-    newest = root.copy()  # the last node of a component
-    following, children, partner = np.full(n, np.int32(-1)), np.full((n, 2), np.int32(-1)), np.full(n, np.int32(-1))
+    root = np.arange(n).astype(np.int32)
+    newest = root.copy()  # the last node of each component, at its root
+    following, children = np.full(n, np.int32(-1)), np.full((n, 2), np.int32(-1))
     for i in range(n):
         v = i if upward else n - 1 - i
         if behind[v, 0] < 0:
             continue
-        old = find(root, behind[v, 0])
-        children[v, 0], following[newest[old]] = newest[old], v
+        component = find(root, behind[v, 0])
+        children[v, 0], following[newest[component]] = newest[component], v
         if behind[v, 1] >= 0:
             other = find(root, behind[v, 1])
-            if other != old:
+            if other != component:
                 children[v, 1], following[newest[other]] = newest[other], v
-                young, old = (max(old, other), min(old, other)) if upward else (min(old, other), max(old, other))
-                root[young] = old
-                partner[young], partner[v] = v, young
-        root[v], newest[old] = old, v
-    return following, children, partner
+                root[other] = component
+        root[v], newest[component] = component, v
+    return MergeTree(following, children)
 
 
 @njit(cache=True)
 def prune_leaves(up, down):
-    """Arcs (A, 2) of the contour tree, lower end first, from the parents of its nodes in both merge trees.
+    """Build the contour tree from both merge trees, leaf by leaf.
 
     A node without children in one tree and with one child in the other is a
     leaf; its arc is the one to its parent. The sum of the children's numbers
-    tells the one child where there is one. `up` and `down` are overwritten.
+    tells the one child where there is one.
+
+    Parameters
+    ----------
+    up, down : (N,) int32
+        `MergeTree.following` of the upward and of the downward sweep; both are
+        overwritten.
+
+    Returns
+    -------
+    (A, 2) int32
+        Arcs, the lower end first; N - 1 for each component of the surface that
+        has N nodes.
+
+    References
+    ----------
+    H. Carr, J. Snoeyink and U. Axen, Computing contour trees in all dimensions,
+    Computational Geometry 24 (2003), algorithm 4.2,
+    doi:10.1016/S0925-7721(02)00093-7
     """
     k = len(up)
     count, total = np.zeros((2, k), np.int32), np.zeros((2, k), np.int64)
@@ -168,11 +244,21 @@ def prune_leaves(up, down):
 
 @njit(cache=True)
 def choose_gates(arcs, children):
-    """Through which upper gate of its lower node each arc of the contour tree leaves, (A,) int32, 0 or 1.
+    """Tell through which upper gate of its lower node each arc of the contour tree leaves.
 
-    children : (N, 2), those of the downward merge tree. Where two arcs leave,
-    they lie in different superlevel components, so the tree is built again,
-    and each is found by its upper node.
+    Parameters
+    ----------
+    arcs : (A, 2) int32
+        Of the contour tree, the lower end first.
+    children : (N, 2) int32
+        `MergeTree.children` of the downward sweep, in the order of the gates.
+
+    Returns
+    -------
+    (A,) int32
+        0 or 1. Where two arcs leave, they lie in different superlevel
+        components, so the merge tree is built again, and each arc is found by
+        its upper node.
     """
     n = len(children)
     leaving, gate = np.full((n, 2), np.int32(-1)), np.zeros(len(arcs), np.int32)

@@ -4,7 +4,7 @@ import numpy as np
 from numba import njit
 
 from .critical_points import vertex_indices
-from .height_mesh import HeightMesh, cross_at
+from .ordered_mesh import HeightMesh, cross_at
 
 
 def split_saddles(mesh, saddles, n_copies):

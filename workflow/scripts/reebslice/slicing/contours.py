@@ -15,7 +15,7 @@ from numba import njit
 
 from ..arrays.grouping import split_into_blocks
 from ..errors import TooManyCrossingsError
-from ..morse.height_mesh import cross_at
+from ..morse.ordered_mesh import cross_at
 from .levels import vertex_slabs
 
 # A cut holds 20 bytes of each crossing, its point and its label: 5 GB of so many, and the

@@ -15,7 +15,7 @@ from functools import cached_property
 import numpy as np
 from numba import njit
 
-from ..morse.height_mesh import next_half_edge
+from ..morse.ordered_mesh import next_half_edge
 
 
 def exact_tilt(points):

@@ -11,8 +11,8 @@ from numba import njit
 
 from ..arrays.components import find, join
 from ..errors import TooManyCrossingsError
-from ..morse.height_mesh import cross_at, next_half_edge
-from ..morse.reeb_graph import incident_arcs
+from ..morse.ordered_mesh import cross_at, next_half_edge
+from ..morse.persistence import incident_arcs
 from .contours import MOST_CROSSINGS, Contours
 from .pieces import Pieces
 

@@ -33,7 +33,7 @@ class Slices(NamedTuple):
 def nested_contours(mesh, heights, body_of_vertex=None):
     """The level sets of a surface at ascending heights, and no more: (:class:`Contours`, :class:`Regions`).
 
-    mesh : :func:`height_mesh.order_by_height` makes it of points, faces and a rotation
+    mesh : :func:`height_mesh.height_mesh` makes it of points, faces and a rotation
     body_of_vertex : (n,) int32, where bodies may overlap; a hole belongs to a contour of its body
     """
     levels = make_levels(mesh, heights)

@@ -1,43 +1,189 @@
-"""The tilt that makes the height a Morse function, and its Reeb graph one that few levels show."""
+"""The direction of height: z, or the least tilt from it at which the height is a Morse function beyond rounding.
 
-import math
+The height is a Morse function of a triangulated surface if no mesh edge is
+horizontal: the index of every vertex is then that of the height itself.
+Flats of machine parts and the bottoms of printed ones are horizontal, so z
+often is none, while nearly every tilt of it is one. That is all that a tilt is
+for, and a small one leaves to z what it means: building direction, anatomy, one
+frame for a corpus.
+
+References
+----------
+T. F. Banchoff, Critical points and curvature for embedded polyhedral surfaces,
+American Mathematical Monthly 77 (1970)
+"""
 
 import numpy as np
 from numba import njit
 
-from ..mesh.orders import height_order
-from ..morse.height_mesh import tilt_points
-from .cone import gather_neighbours, survey_surface
-from .scan import find_critical_points, heights_along, scan_directions
-from .score import blank_buffers, fewest_levels, find_significant
+from ..morse.critical_points import count_critical_points
+from ..morse.ordered_mesh import tilt_points
 
 MODES = ("auto", "none", "direction")
 
-# A critical point counts in the choice of a direction if its persistence is
-# at least this share of the height range: noise has no say.
-SIGNIFICANT_SHARE = 0.02
-# What an angle costs, in levels per degree.
-ANGLE_COST = 0.1
-# Where more levels than these are needed, noise rules, and they are not counted.
-MOST_LEVELS = 1000
-# What is recorded of the candidates that are not chosen.
-CANDIDATE_FIGURES = (
-    "direction",
-    "angle",
-    "margin",
-    "morse",
-    "persistent",
-    "fewest_levels",
-    "fewest_levels_exact",
-    "cost",
-)
+# The first tilted direction that `auto` tries is so far from z, in degrees: a part as wide as it is high then changes
+# its heights by less than 0.02 %. Each of the next is twice as far.
+LEAST_ANGLE = 0.01
+N_TILTED = 11  # the last at 10.24 degrees
+# So far the azimuth turns from each to the next. No angle is farther from all simple parts of a turn, in which the
+# edges of machine parts lie.
+GOLDEN_ANGLE = np.pi * (3 - 5**0.5)
+# A height is Morse beyond rounding if every mesh edge rises by so many times what rounding can change in a rise.
+MARGIN = 1000.0
+UNIT_ROUNDOFF = 2.0**-53
+
+
+def select_tilt(points, faces, mode="auto", direction=None):
+    """Choose the direction of height of a surface.
+
+    Parameters
+    ----------
+    points : (n, 3) float
+        Vertices, model frame.
+    faces : (m, 3) int
+        Vertex ids of a closed surface.
+    mode : {"auto", "none", "direction"}
+        "none" takes z, and "direction" the one given. "auto" takes the first of
+        :func:`candidate_directions`, of which z is the first, whose `certainty`
+        is at least `MARGIN`; if there is none, the "proven" one of the largest
+        certainty; if there is none of these either, z.
+    direction : (3,) float, optional
+        With mode "direction", a vector that points up, of any length but 0.
+
+    Returns
+    -------
+    dict
+        The record that `tilt.json` holds: the figures of
+        :func:`assess_direction` for the chosen direction; `critical`, as
+        :func:`critical_points.count_critical_points` counts there; `rotation`,
+        of :func:`rotation_to_vertical`; `mode`; and `candidates`, the figures
+        of all directions that were tried, in this order. It does not depend on
+        the order of vertices and faces unless neighbours coincide.
+    """
+    points, faces = np.ascontiguousarray(points, float), np.ascontiguousarray(faces, np.int32)
+    if mode == "auto":
+        tried = _try_candidates(points, faces)
+    else:
+        vector = np.array([0.0, 0.0, 1.0] if mode == "none" else direction, float)
+        tried = [assess_direction(points, faces, vector / np.linalg.norm(vector))]
+    best = max(tried, key=lambda figures: figures["certainty"] if figures["morse"] == "proven" else 0.0)
+    rotation = rotation_to_vertical(best["direction"])
+    return {
+        **best,
+        "critical": count_critical_points(tilt_points(points, rotation), faces),
+        "rotation": rotation.tolist(),
+        "mode": mode,
+        "candidates": tried,
+    }
+
+
+def candidate_directions():
+    """List the directions that `auto` tries: the same for all models, so that most of a corpus shares one.
+
+    Returns
+    -------
+    (1 + N_TILTED, 3) float64
+        Unit vectors. The first is z, the second `LEAST_ANGLE` from it, each of
+        the others twice as far as the one before, all with other azimuths.
+    """
+    turns = np.arange(1, N_TILTED + 1)
+    angle, azimuth = np.radians(LEAST_ANGLE * 2.0 ** (turns - 1)), GOLDEN_ANGLE * turns
+    flat = np.sin(angle)
+    tilted = np.column_stack([flat * np.cos(azimuth), flat * np.sin(azimuth), np.cos(angle)])
+    return np.vstack([[0.0, 0.0, 1.0], tilted])
+
+
+def _try_candidates(points, faces):
+    """The figures of candidates up to the first that is Morse beyond rounding; it is then the most certain one."""
+    tried = []
+    for direction in candidate_directions():
+        tried.append(assess_direction(points, faces, direction))
+        if tried[-1]["certainty"] >= MARGIN:
+            break
+    return tried
+
+
+def assess_direction(points, faces, direction):
+    """Tell how surely the height along a direction is a Morse function.
+
+    Parameters
+    ----------
+    points : (n, 3) float64
+        Vertices.
+    faces : (m, 3) int32
+        Vertex ids of a closed surface.
+    direction : (3,) float
+        Unit vector.
+
+    Returns
+    -------
+    dict
+        direction : as given, a list.
+        angle : between it and z, degrees.
+        margin : smallest difference of height over a mesh edge, mesh units.
+        rounding : the most by which rounding can change such a difference:
+        :func:`height_rounding`, but 0 along an axis, where nothing is rounded.
+        certainty : the margin divided by :func:`height_rounding`, along an axis
+        as well, since coordinates in a file were rounded when it was written.
+        morse : "proven" if margin > rounding. No mesh edge is then horizontal,
+        and which vertices are critical, and of which index, is settled by the
+        heights. It does not say that critical points that are no neighbours
+        have different heights, nor that saddles are simple: these are told
+        apart by ranks, and multiple saddles unfolded, whatever the direction.
+        Otherwise "by_sos": the order of neighbours, too, is that of the height
+        with an infinitesimal tilt (simulation of simplicity).
+    """
+    margin, noise = float(_least_rise(points, faces, *direction)), height_rounding(points, direction)
+    rounding = 0.0 if np.count_nonzero(direction) == 1 else noise
+    return {
+        "direction": [float(x) for x in direction],
+        "angle": float(np.degrees(np.arctan2(np.hypot(direction[0], direction[1]), direction[2]))),
+        "margin": margin,
+        "rounding": rounding,
+        "certainty": margin / noise,
+        "morse": "proven" if margin > rounding else "by_sos",
+    }
+
+
+def height_rounding(points, direction):
+    """Bound what rounding changes in the difference of two heights.
+
+    Parameters
+    ----------
+    points : (n, 3) float64
+        Vertices, not all at the origin.
+    direction : (3,) float
+        Unit vector.
+
+    Returns
+    -------
+    float
+        Three products and two sums, as a height is made, round by at most 3 u
+        of the sum of magnitudes, twice; mesh units, more than 0.
+
+    References
+    ----------
+    N. J. Higham, Accuracy and Stability of Numerical Algorithms (2002),
+    section 3.1, doi:10.1137/1.9780898718027
+    """
+    largest = _largest_sum(points, *(abs(float(x)) for x in direction))
+    return max(2 * 3 * UNIT_ROUNDOFF * (1 + 1e-9) * largest, np.finfo(float).tiny)
 
 
 def rotation_to_vertical(direction):
-    """The smallest rotation (3, 3) that takes a unit vector to +z.
+    """Find the smallest rotation that takes a direction to +z.
 
-    Its last row is `direction` itself, so that p . direction and the third
-    coordinate of the rotated p are one number.
+    Parameters
+    ----------
+    direction : (3,) float
+        Unit vector.
+
+    Returns
+    -------
+    (3, 3) float64
+        From the model frame to the tilted frame. Its last row is `direction`
+        itself, so that p . direction and the third coordinate of the rotated p
+        are one number. Straight down is turned about x.
     """
     x, y, z = direction
     if z < -1 + 1e-12:
@@ -47,126 +193,22 @@ def rotation_to_vertical(direction):
     )
 
 
-def candidate_directions(count, cone, seed):
-    """`count` unit vectors within `cone` degrees of +z, the first of them +z itself.
-
-    The others are uniform in the cap, drawn with `seed`: the same ones, and more, for a larger count.
-    """
-    random = np.random.default_rng(seed)
-    up, around = random.random((count - 1, 2)).T
-    z = 1 - (1 - np.cos(np.radians(cone))) * up
-    turn = 2 * np.pi * around
-    flat = np.sqrt(1 - z * z)
-    return np.vstack([[0.0, 0.0, 1.0], np.column_stack([flat * np.cos(turn), flat * np.sin(turn), z])])
-
-
-def select_tilt(points, faces, mode="auto", direction=None, cone=15.0, candidates=64, seed=0):
-    """The tilt of a surface, as the record written to `tilt.json`.
-
-    points : (n, 3) model frame; faces : (m, 3). mode : "none" keeps the
-    input's z; "direction" takes the given vector; "auto" tries z and others in
-    a cone of `cone` degrees about it, drawn with `seed`, for a direction that
-    is Morse beyond rounding and costs least (:func:`assess_directions`). The
-    result does not depend on the order of vertices and faces.
-
-    `margin` is the smallest height difference over all mesh edges; `morse` is
-    "proven" if it exceeds what rounding can amount to, else "by_sos": the
-    order of heights is then made unambiguous by an infinitesimal tilt.
-    """
-    if mode == "auto":
-        tried, drawn = candidate_directions(candidates, cone, seed), {"cone": float(cone), "seed": int(seed)}
-    else:
-        vector = np.array([0.0, 0.0, 1.0] if mode == "none" else direction, float)
-        tried, drawn = (vector / np.linalg.norm(vector))[None], {}
-    records = assess_directions(points, faces, tried)
-    best = min(records, key=lambda record: (record["morse"] != "proven", record["cost"], record["angle"]))
-    return {
-        **best,
-        "rotation": rotation_to_vertical(best["direction"]).tolist(),
-        "mode": mode,
-        **drawn,
-        "candidates": [{name: record[name] for name in CANDIDATE_FIGURES} for record in records],
-    }
-
-
-def assess_directions(points, faces, directions):
-    """Margin, critical counts, fewest levels and cost of each direction (k, 3): a list of k dicts.
-
-    `critical` counts minima, saddles (a k-fold one k times) and maxima;
-    `persistent` those of them whose persistence is significant, loops always.
-    `fewest_levels` tell the significant ones apart, `fewest_levels_exact` all,
-    noise as well (:func:`score.fewest_levels`; of both, at most
-    `MOST_LEVELS` are counted). The cost is the geometric
-    mean of the two, so that either matters in proportion, and a little for the
-    angle to z.
-    """
-    points, faces = gather_neighbours(np.ascontiguousarray(points, float), np.ascontiguousarray(faces, np.int32))
-    directions = np.array(directions, float)
-    rounding = height_rounding(points, directions)
-    surface = survey_surface(points, faces, directions, rounding.max())
-    scans = zip(*scan_directions(surface, points, directions))
-    points = np.asfortranarray(points)
-    room = np.empty(len(points)), blank_buffers(surface)
-    return [_assess(points, surface, *case, *room) for case in zip(directions, rounding.tolist(), scans)]
-
-
-def _assess(points, surface, direction, rounding, scan, height, trails):
-    """scan : of :func:`scan_directions`. height, trails : room for the heights (n,) and for what walks leave behind."""
-    key = heights_along(points, direction, height)
-    found = find_critical_points(surface, key, scan)
-    margin = float(found.margin)
-    if len(found.vertices) == 0:  # heights tie
-        key = sos_ranks(points, direction)
-        found = find_critical_points(surface, key)
-    size = SIGNIFICANT_SHARE * float(height[found.vertices[-1]] - height[found.vertices[0]])
-    significant, persistent = find_significant(surface, key, height, found, size, trails)
-    levels = fewest_levels(surface, key, found, significant, MOST_LEVELS, trails)
-    every = np.ones(len(significant), bool)
-    exact = levels if significant.all() else fewest_levels(surface, key, found, every, MOST_LEVELS, trails)
-    angle = float(np.degrees(np.arctan2(np.hypot(direction[0], direction[1]), direction[2])))
-    index, lowest = found.index, found.lowest
-    return {
-        "direction": direction.tolist(),
-        "angle": angle,
-        "margin": margin,
-        "rounding": rounding,
-        "morse": "proven" if margin > rounding else "by_sos",
-        "critical": {
-            "minima": int(((index == 1) & lowest).sum()),
-            "saddles": int(-index[index < 0].sum()),
-            "maxima": int(((index == 1) & ~lowest).sum()),
-        },
-        "persistent": persistent,
-        "fewest_levels": levels,
-        "fewest_levels_exact": exact,
-        "cost": math.sqrt(levels * exact) + ANGLE_COST * angle,
-    }
-
-
-def sos_ranks(points, direction):
-    """Place of every vertex in the order of heights, ties broken as everywhere, (n,) float64."""
-    rank = np.empty(len(points))
-    rank[height_order(tilt_points(points, rotation_to_vertical(direction)))] = np.arange(len(points))
-    return rank
-
-
-def height_rounding(points, directions):
-    """What rounding can change in the difference of two heights along each of (k, 3) directions, (k,) mesh units.
-
-    Three products and two sums round by at most 3 u of the sum of magnitudes
-    each (Higham 2002, section 3.1); along a coordinate axis nothing rounds.
-    """
-    sizes = np.abs(np.asarray(directions, float))
-    along_axis = (np.count_nonzero(sizes, axis=1) == 1) & (sizes.max(axis=1) == 1)
-    rounding = 2 * 3 * 2.0**-53 * (1 + 1e-9) * _largest_sums(np.ascontiguousarray(points, float), sizes)
-    return np.where(along_axis, 0.0, rounding)
+@njit(cache=True)
+def _least_rise(points, faces, x, y, z):
+    """The smallest difference of height along (x, y, z) over a side of a face; heights as `tilt_points` sums them."""
+    least = np.inf
+    for f in range(len(faces)):
+        a, b, c = points[faces[f, 0]], points[faces[f, 1]], points[faces[f, 2]]
+        one, other = x * a[0] + y * a[1] + z * a[2], x * b[0] + y * b[1] + z * b[2]
+        third = x * c[0] + y * c[1] + z * c[2]
+        least = min(least, abs(one - other), abs(other - third), abs(third - one))
+    return least
 
 
 @njit(cache=True)
-def _largest_sums(points, sizes):
-    largest = np.zeros(len(sizes))
+def _largest_sum(points, x, y, z):
+    """The largest sum of magnitudes of the terms of a height along (x, y, z), none negative."""
+    largest = 0.0
     for i in range(len(points)):
-        x, y, z = abs(points[i, 0]), abs(points[i, 1]), abs(points[i, 2])
-        for k in range(len(sizes)):
-            largest[k] = max(largest[k], sizes[k, 0] * x + sizes[k, 1] * y + sizes[k, 2] * z)
+        largest = max(largest, x * abs(points[i, 0]) + y * abs(points[i, 1]) + z * abs(points[i, 2]))
     return largest

@@ -1,0 +1,176 @@
+"""Extended persistence of a graph whose nodes are in order of height: a Reeb graph, or what is left of one.
+
+Upward, a component of the sublevel sets is born at a minimum and dies where it
+meets an older one; downward, so do the components of the superlevel sets; a
+loop is born at its top, seen from above, and dies at its bottom. In the Reeb
+graph of a surface every node belongs to exactly one pair.
+
+References
+----------
+P. K. Agarwal, H. Edelsbrunner, J. Harer and Y. Wang, Extreme elevation on a
+2-manifold, Discrete & Computational Geometry 36 (2006),
+doi:10.1007/s00454-006-1265-8
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+from numba import njit
+
+from ..arrays.components import find
+
+
+class ExtendedPairs(NamedTuple):
+    """Pairs of nodes, the lower one first, by what they begin and end.
+
+    Attributes
+    ----------
+    ordinary : (p, 2) int32
+        Components of sublevel sets: minimum, and union with an older one.
+    relative : (q, 2) int32
+        Components of superlevel sets: separation from an older one, and maximum.
+    loops : (l, 2) int32
+        Bottom and top of the loops, each top with the thinnest loop below it.
+    extremes : (s, 2) int32
+        Lowest and highest node of each component of the graph that has arcs.
+    """
+
+    ordinary: np.ndarray
+    relative: np.ndarray
+    loops: np.ndarray
+    extremes: np.ndarray
+
+
+class IncidentArcs(NamedTuple):
+    """The arcs at the nodes of a graph: those of node v are member[start[v]:start[v + 1]].
+
+    Attributes
+    ----------
+    start : (n + 1,) int64
+        Where the arcs of each node begin.
+    member : (2 A,) int32
+        Arcs, ascending at every node.
+    """
+
+    start: np.ndarray
+    member: np.ndarray
+
+
+def extended_pairs(n_nodes, arcs):
+    """Pair the nodes of a graph by extended persistence.
+
+    Parameters
+    ----------
+    n_nodes : int
+        Number of nodes; they are 0, 1, ... in order of height, of any degree.
+    arcs : (A, 2) int
+        Nodes that each arc joins, the lower end first; several may join the
+        same two.
+
+    Returns
+    -------
+    ExtendedPairs
+        A node of higher degree may be in several pairs. Where all nodes have
+        one or three arcs, as in a Reeb graph of simple critical points, each
+        is in exactly one.
+    """
+    arcs = np.ascontiguousarray(arcs, np.int32).reshape(-1, 2)
+    incident = incident_arcs(arcs, n_nodes)
+    ordinary, closed, root = _pair_components(arcs, incident, True)
+    relative, _, _ = _pair_components(arcs, incident, False)
+    return ExtendedPairs(ordinary, relative, _pair_loops(arcs, incident, closed), _pair_extremes(root))
+
+
+@njit(cache=True)
+def incident_arcs(arcs, n):
+    """List the arcs at every node of a graph.
+
+    Parameters
+    ----------
+    arcs : (A, 2) int32
+        Nodes that each arc joins.
+    n : int
+        Number of nodes.
+
+    Returns
+    -------
+    IncidentArcs
+        Each arc is at both its ends.
+    """
+    start = np.zeros(n + 1, np.int64)
+    for a in range(len(arcs)):
+        for end in arcs[a]:
+            start[end + 1] += 1
+    start = np.cumsum(start)
+    fill, member = start[:-1].copy(), np.empty(start[-1], np.int32)
+    for a in range(len(arcs)):
+        for end in arcs[a]:
+            member[fill[end]] = a
+            fill[end] += 1
+    return IncidentArcs(start, member)
+
+
+@njit(cache=True)
+def _pair_components(arcs, incident, upward):
+    """Pairs (p, 2) by the elder rule, loops that each node closes (n,), and for each node one nearer the oldest."""
+    n = len(incident.start) - 1
+    pairs, found, closed = np.empty((n, 2), np.int32), 0, np.zeros(n, np.int64)
+    root, near, far = np.arange(n), 1 if upward else 0, 0 if upward else 1
+    for step in range(n):
+        node = step if upward else n - 1 - step
+        for arc in incident.member[incident.start[node] : incident.start[node + 1]]:
+            if arcs[arc, near] != node:
+                continue
+            one, other = find(root, arcs[arc, far]), find(root, node)
+            if one == other:
+                closed[node] += 1
+                continue
+            low, high = min(one, other), max(one, other)
+            young, old = (high, low) if upward else (low, high)
+            root[young] = old  # the oldest node represents its component
+            if young != node:
+                pairs[found, far], pairs[found, near] = young, node
+                found += 1
+    return pairs[:found], closed, root
+
+
+@njit(cache=True)
+def _pair_extremes(root):
+    """The lowest node of each component, to which `root` leads, and its highest."""
+    pairs, found, met = np.empty((len(root), 2), np.int32), 0, np.zeros(len(root), np.bool_)
+    for node in range(len(root) - 1, -1, -1):
+        lowest = find(root, node)
+        if not met[lowest] and lowest != node:
+            pairs[found, 0], pairs[found, 1] = lowest, node
+            found += 1
+        met[lowest] = True
+    return pairs[:found]
+
+
+@njit(cache=True)
+def _pair_loops(arcs, incident, closed):
+    """Bottom and top of every loop; closed : (n,) loops of which each node is the top.
+
+    From the top downward, arcs are joined where they meet; a loop ends where
+    two groups meet that both hang from the top.
+    """
+    start, member = incident.start, incident.member
+    pairs, found = np.empty((closed.sum(), 2), np.int32), 0
+    root, hangs = np.arange(len(arcs)), np.zeros(len(arcs), np.bool_)
+    for top in np.flatnonzero(closed):
+        for arc in member[start[top] : start[top + 1]]:
+            hangs[arc] = arcs[arc, 1] == top
+        node, left = top, closed[top]
+        while left > 0:
+            node -= 1
+            for arc in member[start[node] : start[node + 1]]:
+                one, other = find(root, member[start[node]]), find(root, arc)
+                if one != other:
+                    root[other] = one
+                    if hangs[one] and hangs[other]:
+                        pairs[found, 0], pairs[found, 1] = node, top
+                        found, left = found + 1, left - 1
+                    hangs[one] |= hangs[other]
+        for arc in member[start[node] : start[top + 1]]:  # as before, for the next top
+            root[arc], hangs[arc] = arc, False
+    return pairs
