@@ -13,6 +13,8 @@ import manifold3d
 import numpy as np
 from hypothesis import strategies as st
 
+from reebslice.arrays.components import connected_items
+
 
 @dataclass(frozen=True)
 class Solid:
@@ -27,6 +29,12 @@ class Solid:
         if len(self.points) > 40:
             return f"Solid({len(self.points)} vertices, {len(self.faces)} faces)"
         return f"Solid(np.array({self.points.tolist()}), np.array({self.faces.tolist()}))"
+
+
+def connected_vertices(mesh):
+    """Component of every vertex, (n,) int32, numbered by lowest vertex."""
+    low, high = mesh.faces[:, :2].ravel(), mesh.faces[:, 1:].ravel()
+    return connected_items(low, high, len(mesh.points)).astype(np.int32)
 
 
 # --------------------------------------------------------------------------

@@ -12,10 +12,12 @@ from reebslice.arrays.grouping import split_into_blocks
 from reebslice.mesh.half_edges import find_twins
 from reebslice.mesh.orders import canonical_faces
 from reebslice.morse.height_mesh import height_mesh
+from reebslice.morse.reeb_graph import surface_reeb_graph
 from reebslice.slicing import tables
 from reebslice.slicing.contours import measure_contours, trace_blocks, trace_contours, trace_crossings
+from reebslice.slicing.graph_slices import contours_of_arcs
 from reebslice.slicing.levels import make_levels, uniform_heights, vertex_slabs
-from reebslice.slicing.pairing import connected_vertices, pair_in_slabs
+from reebslice.slicing.pairing import pair_in_slabs
 from reebslice.slicing.slices import cut_surface, nested_blocks, nested_contours
 
 some = settings(max_examples=30, deadline=None, derandomize=True)
@@ -80,7 +82,7 @@ def test_contours_follow_the_faces(solid, seed, count):
 @some
 def test_nested_contours_are_those_of_the_whole_cut(solid, seed, count):
     mesh, levels = sliced(solid, seed, count)
-    body = connected_vertices(mesh) % 2
+    body = solids.connected_vertices(mesh) % 2
     slices = cut_surface(mesh, levels, body)
     for found, expected in zip(nested_contours(mesh, levels.height, body), (slices.contours, slices.regions)):
         for name, column in found._asdict().items():
@@ -137,7 +139,7 @@ def test_no_levels_give_no_contours():
     assert [len(block.level) for block in trace_blocks(mesh, make_levels(mesh, []), 10)] == [0]
 
 
-def test_share_out_fills_blocks():
+def test_items_are_split_into_blocks_of_bounded_size():
     blocks = list(split_into_blocks(np.cumsum([0, 3, 3, 9, 1, 1, 0, 5]), 7))
     assert blocks == [(0, 2), (2, 3), (3, 7)]
     assert list(split_into_blocks(np.array([0]), 7)) == [(0, 0)]
@@ -187,8 +189,11 @@ def slow_pairs(mesh, levels):
 @settings(max_examples=20, deadline=None, derandomize=True)
 def test_pairs_follow_the_elder_rule(solid, seed, count):
     mesh, levels = sliced(solid, seed, count)
-    contours, crossings = trace_crossings(mesh, levels)
-    assert pair_in_slabs(mesh, levels, contours, crossings)[0].tolist() == slow_pairs(mesh, levels).tolist()
+    graph, (_, crossings) = surface_reeb_graph(mesh), trace_crossings(mesh, levels)
+    partner = pair_in_slabs(graph, contours_of_arcs(mesh, graph, levels, crossings))
+    found = np.full(len(mesh.points), -1)
+    found[graph.nodes] = np.where(partner < 0, -1, graph.nodes[partner])
+    assert found.tolist() == slow_pairs(mesh, levels).tolist()
 
 
 @pytest.mark.parametrize("spokes", [3, 8, 500])
@@ -220,7 +225,7 @@ def test_twins_refuse_mesh_edges_of_many_faces(faces):
 
 def test_contours_are_written_block_by_block(monkeypatch, tmp_path):
     mesh, levels = sliced(solids.csg(3), 1, 9)
-    shell = connected_vertices(mesh)
+    shell = solids.connected_vertices(mesh)
     slices = cut_surface(mesh, levels, shell)
     whole = tables.contours_table(mesh, slices, shell)
     monkeypatch.setattr(tables, "POINTS_AT_ONCE", 30)

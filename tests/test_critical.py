@@ -12,7 +12,6 @@ from reebslice.morse.critical_points import morse_indices, vertex_indices
 from reebslice.morse.ordered_mesh import cross_at, order_by_height
 from reebslice.morse.reeb_graph import critical_persistence, surface_reeb_graph
 from reebslice.morse.unfolding import unfold_saddles
-from reebslice.slicing.pairing import connected_vertices
 
 
 def ordered_mesh(solid, seed=None):
@@ -110,7 +109,7 @@ def test_contours_at_the_saddles_of_a_torus():
 
 def test_components_are_numbered_by_their_lowest_vertex():
     mesh = ordered_mesh(solids.linked_rings())
-    shell = connected_vertices(mesh)
+    shell = solids.connected_vertices(mesh)
     assert shell.max() == 1 and shell[0] == 0
 
 

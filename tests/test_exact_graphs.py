@@ -9,6 +9,7 @@ from hypothesis import strategies as st
 
 import reference
 import solids
+from reebslice.arrays.grouping import list_groups
 from reebslice.graphs.exact import exact_graphs
 from reebslice.mesh.half_edges import find_twins
 from reebslice.mesh.orders import canonical_faces
@@ -18,7 +19,6 @@ from reebslice.morse.reeb_graph import surface_reeb_graph
 from reebslice.slicing.contours import trace_crossings
 from reebslice.slicing.graph_slices import contours_of_arcs, trace_arcs_at_levels
 from reebslice.slicing.levels import make_levels, uniform_heights
-from reebslice.slicing.pairing import connected_vertices
 from reebslice.slicing.refinement import slice_surface
 from reebslice.slicing.slices import cut_along_arcs, cut_surface
 from test_laws import cases
@@ -83,14 +83,14 @@ def test_slices_along_the_graph_are_those_of_the_mesh(solid, seed, count):
     found, of_arcs = trace_arcs_at_levels(mesh, graph, levels)
     assert all((a == b).all() for a, b in zip(found, contours))
     assert all((a == b).all() for a, b in zip(of_arcs, contours_of_arcs(mesh, graph, levels, crossings)))
-    one, other = cut_along_arcs(mesh, graph, levels, body), cut_surface(mesh, levels, body)
+    one, other = cut_along_arcs(mesh, levels, body, graph), cut_surface(mesh, levels, body)
     assert all((a == b).all() for a, b in zip(one.regions, other.regions))
 
     def pieces(slices):
         part, blocks = slices.pieces, slices.block_of_piece
-        bounds = [(part.above, range(len(part.above))), (part.below, range(len(part.below)))]
+        bounds = [(part.piece_above, range(len(part.piece_above))), (part.piece_below, range(len(part.piece_below)))]
         members = [[np.flatnonzero(side == piece).tolist() for side, _ in bounds] for piece in range(len(part.slab))]
-        figures = zip(part.slab, part.euler_characteristic, part.genus, map(np.ndarray.tolist, part.critical))
+        figures = zip(part.slab, part.euler_characteristic, part.genus, list_groups(part.critical))
         rows = [(*map(str, row), str(member)) for row, member in zip(figures, members)]
         parts = (tuple(sorted(rows[p] for p in np.flatnonzero(blocks == b))) for b in set(blocks.tolist()))
         return Counter(rows), Counter(parts)
@@ -102,7 +102,7 @@ def test_slices_along_the_graph_are_those_of_the_mesh(solid, seed, count):
 @given(solids.any_solids(), st.integers(0, 3))
 def test_the_solid_has_the_loops_that_exact_levels_show(solid, seed):
     mesh = simple_mesh(solid, seed)
-    body = connected_vertices(mesh)
+    body = solids.connected_vertices(mesh)
     of_vertex = np.empty(len(solid.points), np.int32)
     of_vertex[mesh.vertex] = body
     slices, _ = slice_surface(mesh, body, np.ptp(mesh.points[:, 2]), "exact")

@@ -12,7 +12,6 @@ from reebslice.morse.critical_points import vertex_indices
 from reebslice.morse.height_mesh import height_mesh
 from reebslice.slicing.contours import measure_contours, trace_contours
 from reebslice.slicing.levels import cut_between, make_levels, pierce, uniform_heights
-from reebslice.slicing.pairing import connected_vertices
 from reebslice.slicing.refinement import crowded_points, feature_scale, slice_surface
 from reebslice.slicing.slices import cut_surface
 from reebslice.slicing.tables import contours_table
@@ -54,12 +53,12 @@ def test_material_is_on_the_left():
 def test_pieces_share_out_area_volume_and_euler_characteristic(solid, seed, count):
     mesh = mesh_of(solid, seed)
     heights = uniform_heights(mesh.points[0, 2], mesh.points[-1, 2], np.ptp(mesh.points[:, 2]) / count)
-    slices = cut_surface(mesh, make_levels(mesh, heights), connected_vertices(mesh))
+    slices = cut_surface(mesh, make_levels(mesh, heights), solids.connected_vertices(mesh))
     corners = solid.points[solid.faces]
     normal = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
-    assert slices.pieces.area.sum() == pytest.approx(np.linalg.norm(normal, axis=1).sum() / 2)
+    assert slices.surfaces.area.sum() == pytest.approx(np.linalg.norm(normal, axis=1).sum() / 2)
     volume = np.einsum("ij,ij->", corners[:, 0], normal) / 6
-    assert slices.pieces.flux.sum() == pytest.approx(volume)
+    assert slices.surfaces.flux.sum() == pytest.approx(volume)
     assert slices.pieces.euler_characteristic.sum() == len(solid.points) - len(solid.faces) // 2
     assert (slices.pieces.genus >= 0).all()
 
@@ -69,7 +68,7 @@ def test_volume_of_a_block_is_that_of_the_slab():
     low, high = cube.points[:, 2].min(), cube.points[:, 2].max()
     _, slices = cut(cube, [low + 0.25 * (high - low), low + 0.75 * (high - low)])
     volume = np.prod(np.ptp(cube.points, axis=0))
-    assert slices.pieces.flux == pytest.approx(volume * np.array([0.25, 0.5, 0.25]))
+    assert slices.surfaces.flux == pytest.approx(volume * np.array([0.25, 0.5, 0.25]))
 
 
 def test_a_tunnel_between_two_levels_is_hidden_genus():
@@ -85,21 +84,21 @@ def test_a_void_between_two_levels_belongs_to_the_block_around_it():
     mesh, slices = cut(solid, [centre[2] - 0.2, centre[2] + 0.2])
     unseen = slices.pieces.kinds().index("unseen")
     wall = [p for p, slab in enumerate(slices.pieces.slab) if slab == slices.pieces.slab[unseen] and p != unseen]
-    assert slices.pieces.flux[unseen] < 0
+    assert slices.surfaces.flux[unseen] < 0
     assert slices.block_of_piece[wall].tolist() == [slices.block_of_piece[unseen]]
 
 
 def test_bodies_that_nest_without_a_void_stay_apart():
     small = solids.scale(solids.icosphere(1), 0.5)
     mesh = mesh_of(solids.unite(solids.icosphere(2), small))
-    slices = cut_surface(mesh, make_levels(mesh, [0.05]), connected_vertices(mesh))
+    slices = cut_surface(mesh, make_levels(mesh, [0.05]), solids.connected_vertices(mesh))
     assert slices.regions.inner.tolist() == [False, False]
     assert len(slices.regions.level) == 2 and sorted(slices.regions.parent >= 0) == [False, True]
 
 
 def test_nesting_to_any_depth():
     mesh = mesh_of(solids.nested_shells(4))
-    shell = connected_vertices(mesh)
+    shell = solids.connected_vertices(mesh)
     slices = cut_surface(mesh, make_levels(mesh, [0.01]), shell // 2)
     size = np.argsort(-np.abs(measure_contours(slices.contours)[0]))
     assert slices.regions.parent[size].tolist() == [-1, *size[:-1]]
@@ -154,7 +153,7 @@ def test_pierce_meets_all_intervals_with_the_fewest_cuts(spans):
 @settings(max_examples=40, deadline=None, derandomize=True)
 def test_exact_refinement_leaves_nothing_open(solid, seed):
     mesh = mesh_of(solid, seed if seed else None)
-    slices, refined = slice_surface(mesh, connected_vertices(mesh), np.ptp(mesh.points[:, 2]) / 3, "exact")
+    slices, refined = slice_surface(mesh, solids.connected_vertices(mesh), np.ptp(mesh.points[:, 2]) / 3, "exact")
     assert not {"compound", "unseen"} & set(slices.pieces.kinds())
     assert not crowded_points(slices)[1].any()
     assert (~refined).sum() == 3
@@ -162,10 +161,10 @@ def test_exact_refinement_leaves_nothing_open(solid, seed):
 
 def test_exact_refinement_leaves_one_critical_point_a_piece():
     mesh = mesh_of(solids.blob(5, subdivisions=3, roughness=0.5))
-    slices, _ = slice_surface(mesh, connected_vertices(mesh), np.ptp(mesh.points[:, 2]), "exact")
+    slices, _ = slice_surface(mesh, solids.connected_vertices(mesh), np.ptp(mesh.points[:, 2]), "exact")
     critical = np.flatnonzero(vertex_indices(mesh))
     assert len(critical) > 10
-    assert np.bincount(slices.pieces.of_vertex[critical]).max() == 1
+    assert np.bincount(slices.surfaces.of_vertex[critical]).max() == 1
 
 
 def test_refinement_by_feature_leaves_small_things_alone():
@@ -174,7 +173,7 @@ def test_refinement_by_feature_leaves_small_things_alone():
     mesh = mesh_of(towers)
 
     def cut_by(feature_size):
-        slices, refined = slice_surface(mesh, connected_vertices(mesh), 100.0, "feature", feature_size)
+        slices, refined = slice_surface(mesh, solids.connected_vertices(mesh), 100.0, "feature", feature_size)
         return sorted(slices.pieces.kinds()), int(refined.sum())
 
     assert cut_by(4.5) == (["birth", "death"], 0)
@@ -186,8 +185,8 @@ def test_the_tables_do_not_depend_on_the_order_of_the_input():
     tables = []
     for variant in (solid, solids.permute(solid, 5)):
         mesh = mesh_of(variant)
-        slices, _ = slice_surface(mesh, connected_vertices(mesh), 0.1)
-        tables.append(contours_table(mesh, slices, connected_vertices(mesh)).drop(["lower_vertex", "upper_vertex"]))
+        slices, _ = slice_surface(mesh, solids.connected_vertices(mesh), 0.1)
+        tables.append(contours_table(mesh, slices, solids.connected_vertices(mesh)).drop(["lower_vertex", "upper_vertex"]))
     assert tables[0].equals(tables[1])
 
 

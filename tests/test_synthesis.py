@@ -16,8 +16,9 @@ from reebslice.graphs.arcs import trace_arcs
 from reebslice.graphs.nodes import inscribed_points, steady_points
 from reebslice.graphs.parts import GraphParts, linked_parts
 from reebslice.links.similarity import boolean_similarity, link_by_proximity, link_by_similarity
-from reebslice.planar.circles import clearances, largest_circles
+from reebslice.planar.circles import largest_circles
 from reebslice.planar.curves import curve_centres
+from reebslice.planar.distances import clearances
 from reebslice.planar.outlines import find_outlines, mend_outlines, outline_areas, outline_polygons
 from reebslice.planar.shared_areas import shared_areas
 from reebslice.schemas import GRAPHS

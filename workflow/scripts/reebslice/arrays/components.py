@@ -1,4 +1,4 @@
-"""Connected components of anything that is linked in pairs."""
+"""Connected components by union-find (Tarjan 1975, doi:10.1145/321879.321884)."""
 
 import numpy as np
 from numba import njit
@@ -6,7 +6,20 @@ from numba import njit
 
 @njit(cache=True)
 def connected_items(low, high, n):
-    """Component of each of n items of which low[i] and high[i] are linked: (n,) int64, numbered by lowest item."""
+    """Find the connected components of items that are linked in pairs.
+
+    Parameters
+    ----------
+    low, high : (E,) int
+        The two items of every link.
+    n : int
+        Number of items.
+
+    Returns
+    -------
+    (n,) int64
+        Component of every item. Components are numbered by their lowest item.
+    """
     root, name, count = np.arange(n), np.empty(n, np.int64), 0
     for i in range(len(low)):
         join(root, low[i], high[i])
@@ -19,7 +32,20 @@ def connected_items(low, high, n):
 
 @njit(cache=True, inline="always")
 def find(root, i):
-    """The representative of i in a union-find forest, with path halving."""
+    """Find the representative of an item's set, halving the path to it.
+
+    Parameters
+    ----------
+    root : (n,) int
+        Union-find forest: the parent of every item, an item itself where it represents its set. Modified.
+    i : int
+        The item.
+
+    Returns
+    -------
+    int
+        The representative; the smallest item of the set if all unions were made by :func:`join`.
+    """
     while root[i] != i:
         root[i] = root[root[i]]
         i = root[i]
@@ -28,7 +54,15 @@ def find(root, i):
 
 @njit(cache=True, inline="always")
 def join(root, i, j):
-    """Unite the sets of i and j; the smaller representative remains."""
+    """Unite the sets of two items; the smaller representative remains.
+
+    Parameters
+    ----------
+    root : (n,) int
+        Union-find forest, as of :func:`find`. Modified.
+    i, j : int
+        Any members of the two sets.
+    """
     i, j = find(root, i), find(root, j)
     if i < j:
         root[j] = i

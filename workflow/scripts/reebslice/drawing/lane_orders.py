@@ -12,6 +12,8 @@ straightline crossing minimization, GD 1999, doi:10.1007/3-540-46648-7_22).
 import numba
 import numpy as np
 
+from ..arrays.grouping import list_incidence
+
 
 def count_crossings(order, ends, rank):
     """Number of crossings when the lanes stand in `order`, a permutation (m,).
@@ -51,14 +53,6 @@ def order_lanes(ends, rank, hints, short):
     rounds = int(np.clip(2e6 / len(ends) ** 2, 1, 12))
     found = [(_sift(order, ranks, reach, start, incident, rounds), order) for order in starts]
     return min(found, key=lambda pair: pair[0])[1]
-
-
-def list_incidence(ends, n):
-    """Lanes at every node: those of node v are incident[start[v]:start[v + 1]]."""
-    nodes = ends.ravel()
-    order = np.argsort(nodes, kind="stable")
-    start = np.concatenate([[0], np.cumsum(np.bincount(nodes, minlength=n))]).astype(np.int64)
-    return start, (order // 2).astype(np.int64)
 
 
 def _walk_order(ends, hints, start, incident):

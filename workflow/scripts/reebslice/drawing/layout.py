@@ -14,7 +14,8 @@ from typing import NamedTuple
 import numba
 import numpy as np
 
-from .lane_orders import list_incidence, order_lanes
+from ..arrays.grouping import list_incidence
+from .lane_orders import order_lanes
 
 LANE_GAP = 1.0
 NODE_GAP = 0.7

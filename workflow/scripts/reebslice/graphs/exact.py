@@ -6,6 +6,7 @@ import numpy as np
 import scipy.sparse as sparse
 from scipy.sparse.csgraph import connected_components
 
+from ..arrays.grouping import group_of_members
 from ..morse.height_mesh import height_mesh
 from ..morse.reeb_graph import critical_persistence, surface_reeb_graph
 from ..slicing.refinement import block_chains, exact_slices
@@ -98,23 +99,22 @@ def _nodes_of_blocks(slices, persistence):
     persistent, the lowest such. A surface that crosses itself may have blocks
     that join regions without an event.
     """
-    essential = np.concatenate(slices.pieces.critical)
-    block = slices.block_of_piece[slices.pieces.of_vertex[essential]]
+    essential, block = slices.pieces.critical.member, slices.block_of_piece[group_of_members(slices.pieces.critical)]
     order = np.lexsort((essential, -persistence[essential], block))
     essential, block = essential[order], block[order]
-    kept = block_chains(slices, essential)[block] | np.append(True, block[1:] != block[:-1])
-    odd, lowest = _odd_blocks(slices, essential)
+    kept = block_chains(slices)[block] | np.append(True, block[1:] != block[:-1])
+    odd, lowest = _odd_blocks(slices, block)
     ranks, block = np.append(essential[kept], lowest), np.append(block[kept], odd)
     order = np.lexsort((ranks, block))
     return ranks[order], block[order]
 
 
-def _odd_blocks(slices, essential):
-    """Blocks without events that do not link one region to one other, and the lowest rank of the slab of each."""
-    pieces, count = slices.pieces, slices.n_blocks
+def _odd_blocks(slices, block):
+    """Blocks without events (`block` has some) that link no region to just one other, and the lowest rank there."""
+    count = slices.n_blocks
     is_odd = np.bincount(slices.block_above, minlength=count) != 1
     is_odd |= np.bincount(slices.block_below, minlength=count) != 1
-    is_odd[slices.block_of_piece[pieces.of_vertex[essential]]] = False
+    is_odd[block] = False
     slab = np.empty(count, np.int32)
-    slab[slices.block_of_piece] = pieces.slab
+    slab[slices.block_of_piece] = slices.pieces.slab
     return np.flatnonzero(is_odd), np.append(slices.levels.below, 0)[slab[is_odd]]

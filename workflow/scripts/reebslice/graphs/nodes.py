@@ -4,7 +4,8 @@ import numpy as np
 import shapely
 from numba import njit
 
-from ..planar.circles import clearances, largest_circles, nearest_point
+from ..planar.circles import largest_circles
+from ..planar.distances import clearances, nearest_point
 from ..planar.outlines import measure_outlines, outline_polygons
 from ..slicing.tables import block_regions, region_levels, region_outlines
 from ..table_checks import build_table

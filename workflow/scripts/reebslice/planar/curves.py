@@ -1,4 +1,4 @@
-"""Closed curves in the plane, and how they are stored: WKB line strings, one after another."""
+"""Closed curves in the plane."""
 
 from typing import NamedTuple
 
@@ -7,9 +7,14 @@ from numba import njit
 
 
 class Curves(NamedTuple):
-    """C closed curves: curve c owns points[start[c]:start[c + 1]], of which the last one is the first.
+    """C closed curves.
 
-    points : (N, 2) float64; start : (C + 1,) int64
+    Attributes
+    ----------
+    points : (N, 2) float64
+        Points, one curve after the other.
+    start : (C + 1,) int64
+        Curve c owns ``points[start[c]:start[c + 1]]``, of which the last one is the first.
     """
 
     points: np.ndarray
@@ -17,15 +22,30 @@ class Curves(NamedTuple):
 
 
 def pick_curves(curves, chosen):
-    """Those curves that are `chosen`, (K,) ids, one after another: :class:`Curves`."""
+    """Pick curves.
+
+    Parameters
+    ----------
+    curves : Curves
+        C curves.
+    chosen : (K,) int
+        Which of them, in this order.
+
+    Returns
+    -------
+    Curves
+        K curves; the same arrays if all are chosen in their order, else copies.
+    """
     if np.array_equal(chosen, np.arange(len(curves.start) - 1)):
         return curves
     start = np.concatenate([[0], np.cumsum(np.diff(curves.start)[chosen])])
-    return Curves(_pick(*curves, chosen, start), start)
+    return Curves(_pick(curves, chosen, start), start)
 
 
 @njit(cache=True)
-def _pick(points, start, chosen, fill):
+def _pick(curves, chosen, fill):
+    """Points of the chosen curves, which begin at `fill`."""
+    points, start = curves.points, curves.start
     picked = np.empty((fill[-1], 2))
     for k in range(len(chosen)):
         for i in range(fill[k + 1] - fill[k]):
@@ -35,7 +55,20 @@ def _pick(points, start, chosen, fill):
 
 @njit(cache=True)
 def curve_centres(points, start):
-    """Centroids of the curves as lines, (C, 2); points : (N, 2) of closed curves; start : (C + 1,)."""
+    """Find the centroids of curves as lines.
+
+    Parameters
+    ----------
+    points : (N, 2) float64
+        Points of closed curves.
+    start : (C + 1,) int64
+        As of :class:`Curves`; no curve is empty.
+
+    Returns
+    -------
+    (C, 2) float64
+        Mean of the points of each curve, by length; its first point if it has no length.
+    """
     centre = np.empty((len(start) - 1, 2))
     for c in range(len(centre)):
         length, x, y = 0.0, 0.0, 0.0
@@ -55,7 +88,19 @@ def curve_centres(points, start):
 
 @njit(cache=True)
 def signed_area(points):
-    """Of a closed ring, relative to one of its points: no cancellation."""
+    """Measure the signed area that a ring encloses.
+
+    Parameters
+    ----------
+    points : (N, 2) float64
+        A closed ring, whose last point is its first.
+
+    Returns
+    -------
+    float
+        Positive if the ring runs counter-clockwise; shoelace formula relative to one of its points, so that
+        nothing cancels.
+    """
     x, y, total = points[0, 0], points[0, 1], 0.0
     for i in range(len(points) - 1):
         total += (points[i, 0] - x) * (points[i + 1, 1] - y) - (points[i, 1] - y) * (points[i + 1, 0] - x)

@@ -16,10 +16,16 @@ POINTS_AT_ONCE = 1 << 16
 class Outlines(NamedTuple):
     """Outlines of R regions as Q closed rings.
 
-    points : (N, 2) float64, the last point of each ring is its first
-    ring : (Q + 1,) int64, ring q owns the points ring[q] to ring[q + 1]
-    start : (R + 1,) int64, region r owns the rings start[r] to start[r + 1]
+    Attributes
+    ----------
+    points : (N, 2) float64
+        Points, one ring after the other; the last point of each ring is its first.
+    ring : (Q + 1,) int64
+        Ring q owns ``points[ring[q]:ring[q + 1]]``.
+    start : (R + 1,) int64
+        Region r owns the rings from start[r] up to start[r + 1]; of each of its parts the outer ring comes first.
     hole : (Q,) bool
+        Whether a ring bounds a hole.
     """
 
     points: np.ndarray
@@ -29,7 +35,18 @@ class Outlines(NamedTuple):
 
 
 def find_outlines(polygons):
-    """The :class:`Outlines` of valid polygons, (R,), which may be empty or of several parts."""
+    """Convert polygons to outlines.
+
+    Parameters
+    ----------
+    polygons : (R,) array of shapely polygons
+        Valid ones, which may be empty or of several parts.
+
+    Returns
+    -------
+    Outlines
+        Of R regions.
+    """
     parts, region = shapely.get_parts(polygons, return_index=True)
     rings, part = shapely.get_rings(parts, return_index=True)
     ring, start = np.zeros(len(rings) + 1, np.int64), np.zeros(len(polygons) + 1, np.int64)
@@ -39,7 +56,18 @@ def find_outlines(polygons):
 
 
 def outline_polygons(outlines):
-    """The regions as shapely polygons, (R,): empty where there is no outline, of several parts where there are more."""
+    """Convert outlines to polygons.
+
+    Parameters
+    ----------
+    outlines : Outlines
+        R regions.
+
+    Returns
+    -------
+    (R,) array of shapely polygons
+        Empty where there is no outline, of several parts where there is more than one outer ring.
+    """
     first = np.flatnonzero(~outlines.hole)
     offsets = outlines.ring, np.append(first, len(outlines.hole))
     parts = shapely.from_ragged_array(shapely.GeometryType.POLYGON, outlines.points, offsets)
@@ -52,9 +80,19 @@ def outline_polygons(outlines):
 
 
 def mend_outlines(outlines):
-    """The outlines made valid as those of polygons.
+    """Make outlines valid as those of polygons.
 
-    Others come of surfaces that cross themselves, and of contours that coincide by rounding.
+    Invalid ones come of surfaces that cross themselves, and of contours that coincide by rounding.
+
+    Parameters
+    ----------
+    outlines : Outlines
+        R regions.
+
+    Returns
+    -------
+    Outlines
+        The same arrays if all are valid. A region whose outline is not gets that of `shapely.make_valid`.
     """
     broken, mended = [np.zeros(0, int)], []
     for first, end in split_into_blocks(outlines.ring[outlines.start], POINTS_AT_ONCE):
@@ -87,7 +125,20 @@ def _replace_outlines(outlines, places, others):
 
 
 def pick_outlines(outlines, chosen):
-    """Outlines of the `chosen` regions, (K,) places."""
+    """Pick the outlines of regions.
+
+    Parameters
+    ----------
+    outlines : Outlines
+        R regions.
+    chosen : (K,) int
+        Which of them, in this order.
+
+    Returns
+    -------
+    Outlines
+        Of K regions.
+    """
     points, ring, start, hole = outlines
     count = np.diff(start)[chosen]
     begin = np.concatenate([[0], np.cumsum(count)])
@@ -96,12 +147,25 @@ def pick_outlines(outlines, chosen):
 
 
 def outline_areas(outlines):
-    """Area of every region, (R,) float64, to the last bit that of its polygon in shapely."""
-    return _outline_areas(outlines.points, outlines.ring, outlines.start, outlines.hole)
+    """Measure the area of every region.
+
+    Parameters
+    ----------
+    outlines : Outlines
+        R regions.
+
+    Returns
+    -------
+    (R,) float64
+        To the last bit the areas of their polygons in shapely.
+    """
+    return _outline_areas(outlines)
 
 
 @njit(cache=True)
-def _outline_areas(points, ring, start, hole):
+def _outline_areas(outlines):
+    """Kernel of `outline_areas`."""
+    points, ring, start, hole = outlines.points, outlines.ring, outlines.start, outlines.hole
     area = np.zeros(len(start) - 1)
     for r in range(len(area)):
         part = 0.0
@@ -119,12 +183,25 @@ def _outline_areas(points, ring, start, hole):
 
 
 def measure_outlines(outlines):
-    """Area, length of the outline and larger side of the box of every region, three (R,) float64."""
-    return _measure_outlines(outlines.points, outlines.ring, outlines.start, outlines.hole)
+    """Measure the regions and their outlines.
+
+    Parameters
+    ----------
+    outlines : Outlines
+        R regions.
+
+    Returns
+    -------
+    area, length, extent : (R,) float64
+        Area of the region, length of its outline and the larger side of its box; 0 where there is no outline.
+    """
+    return _measure_outlines(outlines)
 
 
 @njit(cache=True)
-def _measure_outlines(points, ring, start, hole):
+def _measure_outlines(outlines):
+    """Kernel of `measure_outlines`."""
+    points, ring, start, hole = outlines.points, outlines.ring, outlines.start, outlines.hole
     area, length, extent = np.zeros(len(start) - 1), np.zeros(len(start) - 1), np.zeros(len(start) - 1)
     for r in range(len(area)):
         low_x, low_y, high_x, high_y = np.inf, np.inf, -np.inf, -np.inf

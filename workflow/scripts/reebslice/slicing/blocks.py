@@ -1,28 +1,63 @@
 """Blocks: components of the solid between two consecutive levels."""
 
+from typing import NamedTuple
+
 import numpy as np
 from numba import njit
 
 from ..arrays.components import find, join
 
 
-def find_blocks(pieces, contours, regions, unseen_host):
-    """Blocks: the connected components of the solid in each slab.
+class Blocks(NamedTuple):
+    """B blocks of the solid.
 
-    unseen_host : dict, for each closed void wholly inside a slab the piece
-    whose block surrounds it. Returns (block of every piece (P,), block above
-    and block below every region (R,), number of blocks); blocks are numbered
-    by their first piece.
+    Attributes
+    ----------
+    of_piece : (P,) int32
+        The block that each piece bounds.
+    above, below : (R,) int32
+        The block on the upper and on the lower side of every region.
+    count : int
+        Number of blocks.
+    """
+
+    of_piece: np.ndarray
+    above: np.ndarray
+    below: np.ndarray
+    count: int
+
+
+def find_blocks(pieces, contours, regions, unseen_host):
+    """Find the connected components of the solid in each slab, which regions and pieces hold together.
+
+    Parameters
+    ----------
+    pieces : Pieces
+        P pieces.
+    contours : Contours
+        C contours.
+    regions : Regions
+        R regions.
+    unseen_host : dict of int to int
+        For each closed void wholly inside a slab a piece of the block that surrounds it: what
+        :func:`host_unseen_voids` returns.
+
+    Returns
+    -------
+    Blocks
+        Numbered by their first piece.
     """
     r, p = len(regions.level), len(pieces.slab)
     hosts = np.array(sorted(unseen_host.items()), np.int64).reshape(-1, 2)
-    root = _join_blocks(r, p, regions.of_contour, pieces.above, pieces.below, hosts)
+    root = _join_blocks(r, p, regions.of_contour, pieces.piece_above, pieces.piece_below, hosts)
     _, block = np.unique(root, return_inverse=True)
-    return tuple(part.astype(np.int32) for part in (block[:p], block[p : p + r], block[p + r :])) + (block.max() + 1,)
+    of_piece, above, below = (part.astype(np.int32) for part in np.split(block, [p, p + r]))
+    return Blocks(of_piece, above, below, block.max() + 1)
 
 
 @njit(cache=True)
 def _join_blocks(r, p, region, piece_above, piece_below, hosts):
+    """Union-find over p pieces, then r regions seen from above, then from below: the root of each."""
     root = np.arange(p + 2 * r)
     for c in range(len(region)):
         join(root, p + region[c], piece_above[c])
@@ -34,20 +69,41 @@ def _join_blocks(r, p, region, piece_above, piece_below, hosts):
     return root
 
 
-def host_unseen_voids(mesh, levels, crossings, pieces, body_of_vertex):
-    """For each closed void wholly inside a slab, a piece of the block around it.
+def host_unseen_voids(mesh, levels, crossings, pieces, surfaces, body_of_vertex):
+    """Find, for each closed void wholly inside a slab, a piece of the block around it.
 
-    Found by one point location: from the void's lowest vertex along +x to the
-    first face of the same body. Returns {piece of void: piece of host}; a
-    void that no face of its body is met from is left out.
+    Each takes one point location: from the void's lowest vertex along +x to the first face of the same body.
+
+    Parameters
+    ----------
+    mesh : HeightMesh
+        Surface of n vertices.
+    levels : Levels
+        The cuts.
+    crossings : Crossings
+        Those of :func:`.contours.trace_crossings`.
+    pieces : Pieces
+        P pieces.
+    surfaces : PieceSurfaces
+        Theirs.
+    body_of_vertex : (n,) int32
+        Bodies that may overlap.
+
+    Returns
+    -------
+    dict of int to int
+        The host of every void, both pieces. A void is left out if the ray meets no face of its body.
     """
     hosts = {}
-    closed = (pieces.n_below + pieces.n_above == 0) & (pieces.flux < 0)
+    closed = (pieces.n_below + pieces.n_above == 0) & (surfaces.flux < 0)
     for piece in np.flatnonzero(closed):
-        vertex = int(np.flatnonzero(pieces.of_vertex == piece)[0])
-        face = _first_face_along_x(mesh.points, mesh.faces, vertex, body_of_vertex, pieces.of_vertex)
+        vertex = int(np.flatnonzero(surfaces.of_vertex == piece)[0])
+        face = _first_face_along_x(mesh.points, mesh.faces, vertex, body_of_vertex, surfaces.of_vertex)
         if face >= 0:
-            hosts[int(piece)] = _piece_of_face(mesh, levels, crossings, pieces, face, int(pieces.slab[piece]) + 1)
+            lowest = int(mesh.faces[face, 0])
+            steps = int(pieces.slab[piece]) + 1 - int(np.searchsorted(levels.below, lowest, side="right"))
+            contour = crossings.label[crossings.offset[face] + steps - 1] if steps else None
+            hosts[int(piece)] = int(pieces.piece_above[contour] if steps else surfaces.of_vertex[lowest])
     return hosts
 
 
@@ -79,12 +135,3 @@ def _first_face_along_x(points, faces, vertex, body, piece):
             if x < hit < best_x:
                 best, best_x = f, hit
     return best
-
-
-def _piece_of_face(mesh, levels, crossings, pieces, face, slab):
-    """The piece that a face has in one of its slabs."""
-    lowest = int(mesh.faces[face, 0])
-    below = int(np.searchsorted(levels.below, lowest, side="right"))
-    if slab == below:
-        return int(pieces.of_vertex[lowest])
-    return int(pieces.above[crossings.label[crossings.offset[face] + slab - 1 - below]])

@@ -19,10 +19,20 @@ from ..morse.ordered_mesh import next_half_edge
 
 
 def exact_tilt(points):
-    """A fraction e such that z + e x + e^2 y orders points (n, 3) as (z, x, y) does.
+    """Find a tilt that orders points by one number as (z, x, y) does.
 
     The whole spread of what comes later in the order has to stay below half of
     the smallest step of what comes first.
+
+    Parameters
+    ----------
+    points : (n, 3) float64
+        Not all in one plane across an axis.
+
+    Returns
+    -------
+    Fraction
+        A power of 1/2, e: z + e x + e^2 y has the order of (z, x, y).
     """
     x, y, _ = np.ptp(points, axis=0)
     room = min(_smallest_step(points[:, 2]) / (x + y), _smallest_step(points[:, 0]) / y, 1.0)
@@ -30,6 +40,7 @@ def exact_tilt(points):
 
 
 def _smallest_step(values):
+    """The least difference of two values that differ."""
     return float(np.diff(np.unique(values)).min())
 
 
@@ -68,7 +79,22 @@ class ExactContours:
 
 @njit(cache=True)
 def walk_crossings(faces, twins, start, cut):
-    """Ranks of the lower and the upper ends of the mesh edges that a contour crosses in turn."""
+    """Walk along a contour.
+
+    Parameters
+    ----------
+    faces, twins : arrays
+        Of a :class:`HeightMesh`.
+    start : int
+        A half-edge of the contour that runs upward.
+    cut : int
+        Ranks from `cut` on are above the level.
+
+    Returns
+    -------
+    low, high : (X,) int32
+        Ranks of the lower and the upper ends of the mesh edges that the contour crosses in turn.
+    """
     low, high, h = [faces[0, 0] for _ in range(0)], [faces[0, 0] for _ in range(0)], start
     while True:
         low.append(faces[h // 3, h % 3])
@@ -79,7 +105,24 @@ def walk_crossings(faces, twins, start, cut):
 
 
 def locate_corners(points, low, high, cut, tilt):
-    """Where the mesh edges from ranks `low` up to `high` meet the plane below rank `cut`: [(x, y)]."""
+    """Locate the corners of a contour in its tilted plane.
+
+    Parameters
+    ----------
+    points : (n, 3) float64
+        Of a :class:`HeightMesh`.
+    low, high : list of int
+        What :func:`walk_crossings` returns.
+    cut : int
+        Ranks from `cut` on are above the plane, which lies halfway between `cut` and the rank before.
+    tilt : Fraction
+        What :func:`exact_tilt` returns.
+
+    Returns
+    -------
+    list of (x, y)
+        Fractions; of neighbours that coincide there is one. A contour all in one point has that one.
+    """
     known = {v: tuple(map(Fraction, points[v].tolist())) for v in {cut - 1, cut, *low, *high}}
     height = {v: z + tilt * x + tilt * tilt * y for v, (x, y, z) in known.items()}
     level = (height[cut - 1] + height[cut]) / 2
@@ -93,11 +136,21 @@ def locate_corners(points, low, high, cut, tilt):
 
 
 def turns_clockwise(corners):
-    """Whether a simple closed polygon runs clockwise; it may touch itself in one point.
+    """Tell whether a closed polygon runs clockwise.
 
-    Seen from its extreme corners: the turn at the leftmost one (of these the
-    lowest) is that of the whole, and so on for the other three; one that is
-    visited twice is passed over.
+    The turn at the leftmost corner (of these the lowest) is that of the whole,
+    and so on for the other three extreme corners; a corner that is visited
+    twice is passed over.
+
+    Parameters
+    ----------
+    corners : list of (x, y)
+        Of a simple polygon, which may touch itself in one point. Exact numbers.
+
+    Returns
+    -------
+    bool
+        False if all corners are in one line.
     """
     for key in (
         lambda p: (p[0], p[1]), lambda p: (-p[0], -p[1]), lambda p: (p[1], -p[0]), lambda p: (-p[1], p[0]),
@@ -120,7 +173,20 @@ def point_on(corners):
 
 
 def encloses(corners, point):
-    """Whether a closed polygon runs around a point that is not on it (even-odd rule)."""
+    """Tell whether a closed polygon runs around a point, by the even-odd rule.
+
+    Parameters
+    ----------
+    corners : list of (x, y)
+        Of the polygon. Exact numbers.
+    point : (x, y)
+        Not on the polygon.
+
+    Returns
+    -------
+    bool
+        Whether it is inside.
+    """
     x, y = point
     inside = False
     px, py = corners[-1]

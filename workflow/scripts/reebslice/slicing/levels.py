@@ -6,14 +6,23 @@ from typing import NamedTuple
 
 import numpy as np
 
+from ..errors import ReebsliceError, TooManyCrossingsError
+
+# Every level takes rows of tables and objects of Python, some kilobytes of memory.
+MOST_LEVELS = 1_000_000
+
 
 class Levels(NamedTuple):
     """Horizontal cuts in ascending order, K of them.
 
+    Attributes
+    ----------
     height : (K,) float64
-    below : (K,) int32, vertices below: rank r is above level k iff r >= below[k]
-    tie_x, tie_y : (K,) float64; where, inside the vertices at exactly this
-        height, the cut runs; NaN for an ordinary level
+        Heights of the levels, mesh units.
+    below : (K,) int32
+        Number of vertices below each level: rank r is above level k iff r >= below[k].
+    tie_x, tie_y : (K,) float64
+        Where the cut runs inside the vertices at exactly this height; NaN for an ordinary level.
     """
 
     height: np.ndarray
@@ -23,24 +32,93 @@ class Levels(NamedTuple):
 
 
 def vertex_slabs(mesh, levels):
-    """Number of levels below every vertex, (n,) int32: 0 is below them all."""
+    """Count the levels below every vertex.
+
+    Parameters
+    ----------
+    mesh : HeightMesh
+        Surface of n vertices.
+    levels : Levels
+        The cuts.
+
+    Returns
+    -------
+    (n,) int32
+        The slab of every vertex plus one: 0 is below all levels.
+    """
     n = len(mesh.points)
     vertices = np.diff(np.concatenate([[0], np.minimum(levels.below, n), [n]]))
     return np.repeat(np.arange(len(vertices), dtype=np.int32), vertices)
 
 
-def uniform_heights(low, high, distance):
-    """Heights of equispaced levels, half a spacing inside both ends.
+def sampling_rule(distance, feature_size):
+    """Apply the paper's sampling rule: features of size d need levels at a distance of d / 2.
 
-    The spacing is the largest one that divides [low, high] evenly and does
-    not exceed `distance` (> 0, mesh units).
+    Parameters
+    ----------
+    distance, feature_size : float or None
+        Distance between levels and size of the smallest feature to be told apart; one may be missing.
+
+    Returns
+    -------
+    distance, feature_size : float
+        Both, the missing one by the rule.
     """
-    count = max(1, math.ceil((high - low) / distance * (1 - 1e-12)))
+    distance = feature_size / 2 if distance is None else distance
+    return float(distance), float(2 * distance if feature_size is None else feature_size)
+
+
+def uniform_heights(low, high, distance):
+    """Place equispaced levels, half a spacing inside both ends.
+
+    Parameters
+    ----------
+    low, high : float
+        Lowest and highest height of the surface, mesh units.
+    distance : float
+        Upper bound of the spacing, mesh units.
+
+    Returns
+    -------
+    (K,) float64
+        Ascending heights. Their spacing is the largest one that divides [low, high] evenly and does
+        not exceed `distance`; there is at least one level.
+
+    Raises
+    ------
+    TooManyCrossingsError
+        There would be more than MOST_LEVELS levels; no memory is taken before.
+    ReebsliceError
+        The distance is no positive number.
+    """
+    if not distance > 0:
+        raise ReebsliceError(f"The distance between levels is {distance}: it must be a positive number of mesh units.")
+    spacings = (high - low) / distance * (1 - 1e-12)  # infinite for a distance next to zero
+    if spacings > MOST_LEVELS:
+        raise TooManyCrossingsError(
+            f"A distance of {distance:.3g} mesh units makes {spacings:.3g} levels, more than the {MOST_LEVELS} that "
+            f"can be held: take at least {1.01 * (high - low) / MOST_LEVELS:.2g} mesh units "
+            f"({1.01 / MOST_LEVELS:.2g} of the height)"
+        )
+    count = max(1, math.ceil(spacings))
     return low + (high - low) * (np.arange(count) + 0.5) / count
 
 
 def make_levels(mesh, heights):
-    """Ordinary :class:`Levels` at ascending heights: what is higher is above."""
+    """Make ordinary levels, which cut between the heights of vertices.
+
+    Parameters
+    ----------
+    mesh : HeightMesh
+        Surface of n vertices.
+    heights : (K,) array_like of float
+        Ascending heights, mesh units. A vertex is above a level iff it is higher.
+
+    Returns
+    -------
+    Levels
+        One level per height.
+    """
     heights = np.asarray(heights, float)
     below = np.searchsorted(mesh.points[:, 2], heights, side="right").astype(np.int32)
     nothing = np.full(len(heights), np.nan)
@@ -48,10 +126,23 @@ def make_levels(mesh, heights):
 
 
 def cut_between(mesh, low, high):
-    """A level above vertex `low` and not above vertex `high`, low < high in rank.
+    """Find a level above one vertex and not above another.
 
-    Halfway between their heights or, where these are equal, inside the flat
-    that holds both: halfway in x, then in y. Returns (height, below, tie_x, tie_y).
+    Parameters
+    ----------
+    mesh : HeightMesh
+        Surface of n vertices.
+    low, high : int
+        Ranks of the two vertices, low < high.
+
+    Returns
+    -------
+    height : float
+        Halfway between the heights of the two or, where these are equal, that height.
+    below : int
+        Number of vertices below the cut; low < below <= high.
+    tie_x, tie_y : float
+        Where the cut runs inside a flat that holds both vertices: halfway in x, then in y; else NaN.
     """
     p, q = mesh.points[low], mesh.points[high]
     if p[2] < q[2]:
@@ -74,10 +165,17 @@ def _halfway(a, b):
 
 
 def pierce(intervals):
-    """The fewest cuts that meet all intervals (k, 2) of ranks, low < cut <= high.
+    """Pierce intervals with the fewest cuts: greedy by upper end, which is optimal for intervals.
 
-    Greedy by upper end, which is optimal for intervals. Returns (low, high)
-    of what each group of intervals has in common.
+    Parameters
+    ----------
+    intervals : iterable of (low, high)
+        Intervals of ranks or heights. A cut meets one if low < cut <= high.
+
+    Returns
+    -------
+    list of (low, high)
+        One entry per cut, ascending: what the intervals that this cut meets have in common.
     """
     groups = []
     for low, high in sorted(intervals, key=lambda pair: (pair[1], pair[0])):

@@ -7,20 +7,42 @@ FEW = 16  # contours at a level that are all held against each other
 
 
 def nest_contours(contours, size, perimeter, inner, body, rounding):
-    """Smallest contour around each one, and smallest outer one of its body (-1: none), and which are unsure.
+    """Find the contours around each contour.
 
-    contours : :class:`contours.Contours`; the others are (C,) arrays, size the
-    area without its sign. Contours are disjoint, so a contour is tested by a
-    point inside it, and what is around it is larger. Unsure is where that
-    point is no further than `rounding` from the other contour, or the sizes
-    differ by no more. Only contours whose boxes hold the point are looked at,
-    and to find these a level of many contours is cut into vertical strips.
+    Contours are disjoint, so a contour is tested by a point inside it, and
+    what is around it is larger. Only contours whose boxes hold the point are
+    looked at, and to find these a level of many contours is cut into vertical
+    strips.
+
+    Parameters
+    ----------
+    contours : Contours
+        C contours.
+    size, perimeter : (C,) float64
+        Area without its sign, and length.
+    inner : (C,) bool
+        Whether each bounds a hole.
+    body : (C,) int
+        The body of each.
+    rounding : float
+        No point is further from its place.
+
+    Returns
+    -------
+    parent : (C,) int32
+        The smallest contour around each, -1 for none.
+    outer : (C,) int32
+        The smallest outer contour of the same body around each, -1 for none.
+    unsure : (C,) bool
+        Whether floats do not suffice: the point is no further than `rounding` from the other contour, or the
+        sizes differ by no more. Its `parent` and `outer` are then not to be used.
     """
     return _nest(contours.level, contours.start, contours.points, size, perimeter, inner, body, rounding)
 
 
 @njit(cache=True)
 def _nest(level, start, points, size, perimeter, inner, body, rounding):
+    """Kernel of `nest_contours`."""
     n = len(level)
     box, probe, probed = _boxes(points, start), np.empty((n, 2)), np.zeros(n, np.bool_)
     parent, outer, unsure = np.full(n, -1, np.int32), np.full(n, -1, np.int32), np.zeros(n, np.bool_)
@@ -91,6 +113,7 @@ def _cut_into_strips(box, chosen, rounding):
 
 @njit(cache=True, inline="always")
 def _range_of_strips(box, rounding, left, scale, count):
+    """The first strip that a box is in, and the end."""
     return _strip_of(box[0] - rounding, left, scale, count), _strip_of(box[2] + rounding, left, scale, count) + 1
 
 
@@ -102,6 +125,7 @@ def _strip_of(x, left, scale, count):
 
 @njit(cache=True, inline="always")
 def _find_probe(points, start, box, c, probe, probed):
+    """Fill in the point inside contour c, once."""
     if not probed[c]:
         probe[c] = _point_inside(points[start[c] : start[c + 1]], 0.5 * (box[c, 1] + box[c, 3]))
         probed[c] = True

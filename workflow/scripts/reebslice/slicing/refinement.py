@@ -2,97 +2,181 @@
 
 import numpy as np
 
+from ..arrays.grouping import group_of_members
+from ..errors import ReebsliceError
 from ..morse.reeb_graph import critical_persistence, surface_reeb_graph
-from .contours import trace_crossings
-from .graph_slices import contours_of_arcs
-from .levels import Levels, cut_between, make_levels, pierce, uniform_heights
-from .slices import _block_along_arcs, _finish, cut_along_arcs, cut_surface
+from .levels import Levels, cut_between, make_levels, pierce, sampling_rule, uniform_heights
+from .slices import cut_along_arcs, cut_surface
 
 
-def feature_scale(height_range, distance, units, feature_size=None, **_):
-    """Sampling distance and feature size in mesh units, (distance, feature_size).
+def feature_scale(height_range, distance, feature_size, units, **_):
+    """Convert the distance between levels and the feature size to mesh units.
 
-    units : "absolute", or "relative" to the height range. Of the two the
-    missing one follows from the paper's rule: features of size d need a
-    distance of d / 2.
+    Parameters
+    ----------
+    height_range : float
+        Height of the model, mesh units.
+    distance, feature_size : float
+        As configured.
+    units : {"absolute", "relative"}
+        Relative ones are parts of the height range.
+
+    Returns
+    -------
+    distance, feature_size : float
+        Mesh units.
     """
     scale = height_range if units == "relative" else 1.0
-    distance = feature_size / 2 if distance is None else distance
-    feature_size = 2 * distance if feature_size is None else feature_size
     return distance * scale, feature_size * scale
 
 
 def slice_surface(mesh, body_of_vertex, distance, refine="feature", feature_size=None):
-    """Cut at equispaced levels and refine: (:class:`Slices`, refined (K,) bool).
-
-    distance, feature_size : mesh units, feature_size defaults to 2 x distance
-    refine : "none"; "feature", separate critical points of one piece or block
-        that both have at least the persistence `feature_size`; "exact",
-        separate all whose persistence is not zero, and whatever keeps a piece
-        from being elementary: the graph is then that of the surface, whatever
-        the distance. (Pairs at one height, inside a flat, are made by the
-        order of ranks alone and are no features of the height.)
+    """Cut a surface at equispaced levels, and at further ones where these leave events together.
 
     Each pass puts the fewest levels that separate the critical points in
     question into the slabs that need it, and nowhere else.
+
+    Parameters
+    ----------
+    mesh : HeightMesh
+        Closed surface of n vertices whose saddles are simple.
+    body_of_vertex : (n,) int32
+        Bodies that may overlap; a hole belongs to an outer contour of its own body.
+    distance : float
+        Upper bound of the spacing of the equispaced levels, mesh units.
+    refine : {"feature", "exact", "none"}
+        "feature" separates critical points of one piece or block that both have at least the persistence
+        `feature_size`. "exact" separates all whose persistence is not zero, and whatever keeps a piece from
+        being elementary: the graph is then that of the surface, whatever the distance. (Pairs at one height,
+        inside a flat, are made by the order of ranks alone and are no features of the height.)
+    feature_size : float, optional
+        Mesh units; by default twice the distance, the sampling rule of the paper.
+
+    Returns
+    -------
+    slices : Slices
+        As of :func:`.slices.cut_surface`.
+    refined : (K,) bool
+        Which levels are further ones.
+
+    Raises
+    ------
+    TooManyCrossingsError
+        Levels or contours would not fit into memory; no memory is taken for them before.
+    ReebsliceError
+        The distance is no positive number, or `refine` is none of the three words.
     """
+    if refine not in ("feature", "exact", "none"):
+        raise ReebsliceError(f"refine is {refine!r}: it must be 'feature', 'exact' or 'none'.")
+    distance, feature_size = sampling_rule(distance, feature_size)
     heights = uniform_heights(mesh.points[0, 2], mesh.points[-1, 2], distance)
-    levels = make_levels(mesh, heights)
-    refined = np.zeros(len(heights), bool)
+    levels, refined = make_levels(mesh, heights), np.zeros(len(heights), bool)
     graph = surface_reeb_graph(mesh)
+    if refine == "none":
+        return cut_surface(mesh, levels, body_of_vertex, graph), refined
     persistence = critical_persistence(mesh, graph)  # NaN at regular vertices
-    size = 2 * distance if feature_size is None else feature_size
-    significant = persistence > 0 if refine == "exact" else persistence >= size
-    if refine == "exact":
-        levels, refined = _insert(mesh, levels, refined, unpierced_arcs(graph, levels, significant))
-    while refine != "none":
-        contours, crossings = trace_crossings(mesh, levels)
-        of_arcs = contours_of_arcs(mesh, graph, levels, crossings)
-        slices = _block_along_arcs(mesh, graph, levels, body_of_vertex, contours, of_arcs)
-        more, refined = _insert(mesh, levels, refined, crowded_intervals(slices, significant, refine == "exact"))
-        if len(more.height) == len(levels.height):
-            return _finish(mesh, levels, body_of_vertex, contours, crossings, slices.regions), refined
-        levels = more
-    return cut_surface(mesh, levels, body_of_vertex), refined
+    if refine == "feature":
+        return _refine(cut_surface, mesh, graph, body_of_vertex, (levels, refined), persistence >= feature_size, False)
+    levels, refined = _insert(mesh, levels, refined, unpierced_arcs(graph, levels, persistence > 0))
+    return _refine(cut_surface, mesh, graph, body_of_vertex, (levels, refined), persistence > 0, True)
 
 
 def exact_slices(mesh, graph, body_of_vertex):
-    """The :class:`Slices`, as `cut_along_arcs` makes them, at the levels that "exact" puts between no uniform ones."""
+    """Cut a surface at as few levels as it takes to leave no events together.
+
+    Parameters
+    ----------
+    mesh : HeightMesh
+        Closed surface of n vertices whose saddles are simple.
+    graph : ReebGraph
+        The mesh's.
+    body_of_vertex : (n,) int32
+        Bodies that may overlap.
+
+    Returns
+    -------
+    Slices
+        As of :func:`.slices.cut_along_arcs`, at one level halfway up and those that "exact" refinement adds to it.
+
+    Raises
+    ------
+    TooManyCrossingsError
+        The contours would not fit into memory.
+    """
     significant = critical_persistence(mesh, graph) > 0
     levels, refined = make_levels(mesh, [(mesh.points[0, 2] + mesh.points[-1, 2]) / 2]), np.zeros(1, bool)
-    more, refined = _insert(mesh, levels, refined, unpierced_arcs(graph, levels, significant))
-    slices = None
-    while slices is None or len(more.height) > len(levels.height):
-        levels = more
-        slices = cut_along_arcs(mesh, graph, levels, body_of_vertex)
-        more, refined = _insert(mesh, levels, refined, crowded_intervals(slices, significant, True))
-    return slices
+    start = _insert(mesh, levels, refined, unpierced_arcs(graph, levels, significant))
+    return _refine(cut_along_arcs, mesh, graph, body_of_vertex, start, significant, True)[0]
+
+
+def _refine(cut, mesh, graph, body_of_vertex, start, significant, elementary):
+    """Put in levels until no critical points are crowded: the slices that `cut` makes, and which levels are refined.
+
+    start : the levels to begin with, and which of them are refined.
+    """
+    levels, refined = start
+    while True:
+        slices = cut(mesh, levels, body_of_vertex, graph)
+        crowded = crowded_intervals(slices, graph, significant, elementary)
+        levels, refined = _insert(mesh, levels, refined, crowded)
+        if len(levels.height) == len(slices.levels.height):
+            return slices, refined
 
 
 def unpierced_arcs(graph, levels, significant):
-    """Arcs of the surface's Reeb graph, (low, high), that no level cuts and whose ends are significant."""
+    """List the arcs of a surface's Reeb graph that no level cuts and whose ends are significant.
+
+    Parameters
+    ----------
+    graph : ReebGraph
+        The surface's.
+    levels : Levels
+        The cuts.
+    significant : (n,) bool
+        Of the ranks.
+
+    Returns
+    -------
+    list of (low, high)
+        Ranks of the ends of the arcs.
+    """
     ends = graph.nodes[graph.arcs]
     first = np.searchsorted(levels.below, ends[:, 0], side="right")  # the lowest level above the lower end
     cut = np.append(levels.below, len(significant))[first] <= ends[:, 1]
     return list(map(tuple, ends[~cut & significant[ends].all(axis=1)].tolist()))
 
 
-def crowded_intervals(slices, significant, elementary):
-    """Pairs of critical points that a further level should separate: [(low, high)].
+def crowded_intervals(slices, graph, significant, elementary):
+    """List pairs of critical points that a further level should separate.
 
-    Consecutive significant ones of a piece, and of a block with several
-    events of which one changes the number of regions. significant : (n,) bool;
-    elementary : whether all pieces are to become so, be their critical points
-    significant or not.
+    These are consecutive significant ones of a piece, and of a block with several
+    events of which one changes the number of regions.
+
+    Parameters
+    ----------
+    slices : Slices
+        The surface as it is cut so far.
+    graph : ReebGraph
+        The surface's.
+    significant : (n,) bool
+        Of the ranks; critical ones only.
+    elementary : bool
+        Whether all pieces are to become elementary, be their critical points significant or not.
+
+    Returns
+    -------
+    list of (low, high)
+        Ranks, ascending, each pair once.
     """
-    ranks, (essential, crowded) = np.flatnonzero(significant), crowded_points(slices)
-    piece = slices.pieces.of_vertex
-    groups = [(piece[ranks], ranks)]
+    chosen = significant[graph.nodes]
+    groups = [(slices.pieces.of_node[chosen], graph.nodes[chosen])]
+    essential, crowded = crowded_points(slices)
+    piece = group_of_members(slices.pieces.critical)
     if elementary:
-        groups.append((piece[essential], essential))
+        groups.append((piece, essential))
     else:
         crowded &= significant[essential]
-    groups.append((slices.block_of_piece[piece[essential[crowded]]], essential[crowded]))
+    groups.append((slices.block_of_piece[piece[crowded]], essential[crowded]))
     pairs = [_consecutive(*group) for group in groups]
     return list(map(tuple, np.unique(np.concatenate(pairs), axis=0).tolist()))
 
@@ -105,25 +189,46 @@ def _consecutive(group, ranks):
 
 
 def crowded_points(slices):
-    """Ranks of the essential critical points (E,), and which of them are in blocks whose order of events is open.
+    """Find the blocks whose order of events is open.
 
-    A block is resolved if it has at most one event, or one region on either
-    side and only events that leave their number alone (a chain).
+    A block is resolved if it has at most one event, or if it is a chain: see :func:`block_chains`.
+
+    Parameters
+    ----------
+    slices : Slices
+        A sliced surface with E essential critical points.
+
+    Returns
+    -------
+    essential : (E,) int32
+        Ranks of the essential critical points, by piece.
+    crowded : (E,) bool
+        Whether each is in a block that is not resolved.
     """
-    pieces, blocks = slices.pieces, slices.block_of_piece
-    essential = np.concatenate(pieces.critical)
-    block = blocks[pieces.of_vertex[essential]]
-    chain = ~(np.bincount(block, minlength=slices.n_blocks) > 1) | block_chains(slices, essential)
-    return essential, ~chain[block]
+    critical = slices.pieces.critical
+    block = slices.block_of_piece[group_of_members(critical)]
+    resolved = (np.bincount(block, minlength=slices.n_blocks) <= 1) | block_chains(slices)
+    return critical.member, ~resolved[block]
 
 
-def block_chains(slices, essential):
-    """Whether each block has one region on either side, and only events that leave their number alone, (B,) bool."""
+def block_chains(slices):
+    """Tell which blocks are chains: one region on either side, and only events that leave their number alone.
+
+    Parameters
+    ----------
+    slices : Slices
+        A sliced surface of B blocks.
+
+    Returns
+    -------
+    (B,) bool
+        The order of events in a chain is that of their heights, so all are seen without a further level.
+    """
     pieces, outer = slices.pieces, ~slices.regions.inner
     count = len(pieces.slab)
-    below = np.bincount(pieces.above[outer], minlength=count)
-    above = np.bincount(pieces.below[outer], minlength=count)
-    events = np.bincount(pieces.of_vertex[essential], minlength=count)
+    below = np.bincount(pieces.piece_above[outer], minlength=count)
+    above = np.bincount(pieces.piece_below[outer], minlength=count)
+    events = np.diff(pieces.critical.start)
     changing = np.zeros(slices.n_blocks, bool)
     changing[slices.block_of_piece[(events > 1) | ((events == 1) & (below != above))]] = True
     ends = (np.bincount(ends, minlength=slices.n_blocks) for ends in (slices.block_above, slices.block_below))
@@ -137,9 +242,8 @@ def _insert(mesh, levels, refined, intervals):
     cuts = [cut for cut in cuts if cut[1] not in known]
     if not cuts:
         return levels, refined
-    height, below, tie_x, tie_y = map(np.array, zip(*cuts))
-    merged = [np.concatenate(pair) for pair in zip(levels, (height, below, tie_x, tie_y))]
-    refined = np.concatenate([refined, np.ones(len(cuts), bool)])
-    order = np.lexsort((merged[0], merged[1]))
-    merged = [column[order] for column in merged]
-    return Levels(merged[0], merged[1].astype(np.int32), merged[2], merged[3]), refined[order]
+    more = Levels(*map(np.array, zip(*cuts)))
+    merged = Levels(*(np.concatenate(pair) for pair in zip(levels, more)))
+    order = np.lexsort((merged.height, merged.below))
+    refined = np.concatenate([refined, np.ones(len(cuts), bool)])[order]
+    return Levels(*(column[order].astype(kept.dtype) for column, kept in zip(merged, levels))), refined

@@ -1,4 +1,4 @@
-"""Regions of material at each level, and the blocks of solid between levels."""
+"""Regions of material at each level."""
 
 from typing import NamedTuple
 
@@ -17,10 +17,18 @@ ROUNDING = 64 * np.finfo(float).eps
 class Regions(NamedTuple):
     """R regions, ordered by level and then by their outer contour, and what it takes to find them.
 
-    level : (R,) int32; outer : (R,) int32, the outer contour
-    of_contour : (C,) int32, the region that each contour bounds
-    inner : (C,) bool; parent : (C,) int32, smallest contour around it, or -1
-    area, perimeter : (C,) float64, of the contours, areas of holes negative
+    Attributes
+    ----------
+    level, outer : (R,) int32
+        The level and the outer contour of each region.
+    of_contour : (C,) int32
+        The region that each contour bounds.
+    inner : (C,) bool
+        Whether a contour bounds a hole.
+    parent : (C,) int32
+        The smallest contour around each one, -1 for none.
+    area, perimeter : (C,) float64
+        Of the contours; areas of holes are negative but for rounding.
     """
 
     level: np.ndarray
@@ -33,12 +41,27 @@ class Regions(NamedTuple):
 
 
 def find_regions(mesh, levels, contours, body, pieces=None):
-    """The :class:`Regions` of a sliced surface.
+    """Find the regions of material at each level.
 
-    body : (C,) the body of each contour's shell. A hole belongs to the
-    smallest outer contour around it of the same body, so bodies that overlap
-    stay apart. Where the surface crosses itself this leaves something open,
-    which the :class:`pieces.Pieces` settle; elsewhere they make no difference.
+    Parameters
+    ----------
+    mesh : HeightMesh
+        The surface.
+    levels : Levels
+        The cuts.
+    contours : Contours
+        Their C contours.
+    body : (C,) int
+        The body of each contour's shell. A hole belongs to the smallest outer contour around it of the same
+        body, so bodies that overlap stay apart.
+    pieces : Pieces, optional
+        Where the surface crosses itself, contours alone leave open what a hole belongs to, and the pieces settle
+        it; elsewhere they make no difference.
+
+    Returns
+    -------
+    Regions
+        What is closer than rounding is decided in rational numbers.
     """
     area, perimeter = measure_contours(contours)
     rounding = ROUNDING * max(mesh.points.max(), -mesh.points.min())
@@ -105,15 +128,18 @@ def _nearest_outer(hole, level, pieces, size, inner, body):
         return -1
     if pieces is None:
         return int(others[np.argmax(size[others])])
-    joined = (pieces.above[others] == pieces.above[hole]) | (pieces.below[others] == pieces.below[hole])
+    joined = (pieces.piece_above[others] == pieces.piece_above[hole]) | (
+        pieces.piece_below[others] == pieces.piece_below[hole]
+    )
     return int(others[np.lexsort((size[others], joined))[-1]])
 
 
 def _cylinder_chains(pieces, n_contours):
+    """The chain of each contour, (C,): contours that cylinders, one on top of the other, hold together."""
     cylinder = (pieces.n_below == 1) & (pieces.n_above == 1) & (pieces.genus == 0)
     low = np.full(len(cylinder), -1, np.int64)
-    low[pieces.above] = np.arange(n_contours)
+    low[pieces.piece_above] = np.arange(n_contours)
     high = np.full(len(cylinder), -1, np.int64)
-    high[pieces.below] = np.arange(n_contours)
+    high[pieces.piece_below] = np.arange(n_contours)
     low, high = low[cylinder], high[cylinder]
     return connected_items(low, high, n_contours)

@@ -3,23 +3,27 @@
 import numpy as np
 
 from ..arrays.components import connected_items
-from .levels import pierce
+from .levels import MOST_LEVELS, pierce
 
-# Uniform levels are tried up to this number, a bunch at a time.
-MOST_LEVELS = 1_000_000
-AT_ONCE = 20_000
+AT_ONCE = 20_000  # numbers of levels that are tried together
 
 
 def sampling_figures(critical_arcs):
-    """What it takes to see every event of the surface apart, as a dict.
+    """Tell how many levels it takes to see every event of the surface apart from the others.
 
-    critical_arcs : the table. `fewest_levels`: the least number of levels that
-    cut every arc; `shortest_arc`: the least height of an arc, mesh units:
-    uniform levels no farther apart suffice, wherever they start;
-    `uniform_levels`: the least number of uniform levels (as
-    `levels.uniform_heights` puts them) that cut every arc, null if more than
-    MOST_LEVELS are needed; `exact_distance`: its inverse, the relative
-    distance at which the graph first becomes exact.
+    Parameters
+    ----------
+    critical_arcs : pyarrow.Table
+        The table.
+
+    Returns
+    -------
+    dict
+        `fewest_levels`: the least number of levels that cut every arc. `shortest_arc`: the least height of an
+        arc, mesh units; uniform levels no farther apart suffice, wherever they start. `uniform_levels`: the
+        least number of uniform levels (as :func:`.levels.uniform_heights` puts them) that cut every arc, None if
+        more than MOST_LEVELS are needed. `exact_distance`: its inverse, the relative distance at which the graph
+        first becomes exact.
     """
     spans = event_spans(*(critical_arcs[name].to_numpy() for name in ("source", "target", "lower", "upper")))
     count = fewest_uniform_levels(spans)
@@ -32,11 +36,22 @@ def sampling_figures(critical_arcs):
 
 
 def event_spans(source, target, lower, upper):
-    """Heights [low, high) of the arcs between events, (B, 2) float64.
+    """Find the heights between events.
 
-    All arguments (A,), of the arcs of a Reeb graph. Critical points that arcs
-    without height join, inside a flat, are one event, and none if it has one
-    arc below and one above.
+    Critical points that arcs without height join, inside a flat, are one
+    event, and no event at all if one arc is below it and one above.
+
+    Parameters
+    ----------
+    source, target : (A,) int
+        Nodes at the lower and the upper end of the arcs of a Reeb graph.
+    lower, upper : (A,) float64
+        Their heights.
+
+    Returns
+    -------
+    (B, 2) float64
+        Heights [low, high) of the arcs between events.
     """
     flat, n = lower == upper, max(source.max(), target.max()) + 1
     event = connected_items(source[flat], target[flat], n)
@@ -55,9 +70,17 @@ def event_spans(source, target, lower, upper):
 
 
 def fewest_uniform_levels(spans):
-    """The least number of uniform levels of which every span [low, high) holds one, or None.
+    """Find the least number of uniform levels of which every span holds one.
 
-    spans : (B, 2), of which the lowest and the highest height bound the levels.
+    Parameters
+    ----------
+    spans : (B, 2) float64
+        Heights [low, high); the lowest and the highest of all bound the levels.
+
+    Returns
+    -------
+    int or None
+        None if more than MOST_LEVELS are needed.
     """
     low, high = spans[:, 0].min(), spans[:, 1].max()
     spans = (spans[np.argsort(np.ptp(spans, axis=1))] - low) / (high - low)

@@ -1,23 +1,48 @@
-"""A surface cut at given levels: contours, regions, pieces and blocks."""
+"""A surface cut at given levels: contours, regions, pieces and blocks.
+
+There are two ways to a slice, and two questions. `nested_contours` gives the
+level sets alone, contours and the regions that they bound (`nested_blocks` a
+few levels at a time). `cut_surface` also gives what lies between the levels:
+pieces and blocks. It visits every face, so it can measure the pieces, and it
+takes the pieces from the surface's Reeb graph, which costs less than a search
+on the mesh. `cut_along_arcs` visits only what the levels cross, and measures
+nothing: for few levels on a large mesh, as the solid's Reeb graph needs them.
+"""
 
 from typing import NamedTuple
 
 import numpy as np
 
+from ..morse.reeb_graph import surface_reeb_graph
 from .blocks import find_blocks, host_unseen_voids
 from .contours import Contours, trace_blocks, trace_contours, trace_crossings
-from .graph_slices import pieces_of_graph, trace_arcs_at_levels
+from .graph_slices import contours_of_arcs, trace_arcs_at_levels
 from .levels import Levels, make_levels
-from .pairing import pair_in_slabs
-from .pieces import Pieces, find_pieces
+from .pieces import Pieces, PieceSurfaces, find_pieces, measure_pieces
 from .regions import Regions, find_regions
 
 
 class Slices(NamedTuple):
-    """A surface cut at a set of levels.
+    """A surface cut at a set of levels into C contours, P pieces, R regions and B blocks.
 
-    block_of_piece : (P,), block_above, block_below : (R,) int32, the blocks
-    that each piece bounds and each region faces.
+    Attributes
+    ----------
+    levels : Levels
+        The cuts.
+    contours : Contours
+        The surface at the levels.
+    pieces : Pieces
+        The surface between the levels.
+    regions : Regions
+        The material at the levels.
+    block_of_piece : (P,) int32
+        The block, a connected component of the material between two levels, that each piece bounds.
+    block_above, block_below : (R,) int32
+        The block on the upper and on the lower side of every region.
+    n_blocks : int
+        Number of blocks.
+    surfaces : PieceSurfaces or None
+        Vertices, areas and fluxes of the pieces; None from :func:`cut_along_arcs`, which visits no faces for them.
     """
 
     levels: Levels
@@ -28,24 +53,53 @@ class Slices(NamedTuple):
     block_above: np.ndarray
     block_below: np.ndarray
     n_blocks: int
+    surfaces: PieceSurfaces | None
 
 
 def nested_contours(mesh, heights, body_of_vertex=None):
-    """The level sets of a surface at ascending heights, and no more: (:class:`Contours`, :class:`Regions`).
+    """Cut a surface at heights, and tell which contours lie inside which.
 
-    mesh : :func:`height_mesh.height_mesh` makes it of points, faces and a rotation
-    body_of_vertex : (n,) int32, where bodies may overlap; a hole belongs to a contour of its body
+    Parameters
+    ----------
+    mesh : HeightMesh
+        Closed surface of n vertices, in order of height.
+    heights : (K,) array_like of float
+        Ascending heights of the levels, mesh units.
+    body_of_vertex : (n,) int32, optional
+        Bodies that may overlap; a hole belongs to an outer contour of its own body. By default all are one.
+
+    Returns
+    -------
+    contours : Contours
+        Closed contours with material on their left; their order does not depend on that of the input.
+    regions : Regions
+        Outer contours with their holes. What is closer than rounding is decided in rational numbers.
+
+    Raises
+    ------
+    TooManyCrossingsError
+        The contours would not fit into memory; :func:`nested_blocks` gives them in parts.
     """
     levels = make_levels(mesh, heights)
     return _nest(mesh, levels, trace_contours(mesh, levels), body_of_vertex)
 
 
 def nested_blocks(mesh, heights, most_crossings, body_of_vertex=None):
-    """The same, of a few consecutive levels at a time, where all would not fit into memory.
+    """Do as :func:`nested_contours`, a few consecutive levels at a time, where all would not fit into memory.
 
-    An iterator of (:class:`Contours`, :class:`Regions`) whose blocks are those
-    of :func:`contours.trace_blocks`; regions and contours are numbered in each
-    block from 0, and in the order of blocks they are those of all levels.
+    Parameters
+    ----------
+    mesh, heights, body_of_vertex
+        As for :func:`nested_contours`.
+    most_crossings : int
+        Bound on the points of a block; a single level may have more.
+
+    Yields
+    ------
+    contours : Contours
+        Those of :func:`.contours.trace_blocks`.
+    regions : Regions
+        Contours and regions are numbered from 0 in each block; in the order of blocks they are those of all levels.
     """
     levels = make_levels(mesh, heights)
     for contours in trace_blocks(mesh, levels, most_crossings):
@@ -53,35 +107,66 @@ def nested_blocks(mesh, heights, most_crossings, body_of_vertex=None):
 
 
 def _nest(mesh, levels, contours, body_of_vertex):
+    """The contours, and their regions."""
     body = np.zeros(len(contours.level), np.int32) if body_of_vertex is None else body_of_vertex[contours.lower]
     return contours, find_regions(mesh, levels, contours, body)
 
 
-def cut_surface(mesh, levels, body_of_vertex):
-    """Cut at the given levels: :class:`Slices`. body_of_vertex : (n,) int32."""
-    return _finish(mesh, levels, body_of_vertex, *trace_crossings(mesh, levels))
+def cut_surface(mesh, levels, body_of_vertex, graph=None):
+    """Cut a surface at levels into contours, pieces, regions and blocks.
+
+    Parameters
+    ----------
+    mesh : HeightMesh
+        Closed surface of n vertices whose saddles are simple.
+    levels : Levels
+        The cuts.
+    body_of_vertex : (n,) int32
+        Bodies that may overlap; a hole belongs to an outer contour of its own body.
+    graph : ReebGraph, optional
+        The mesh's, if it is at hand; by default it is computed.
+
+    Returns
+    -------
+    Slices
+        With `surfaces`. Pieces are ordered by slab, then by lowest vertex, and blocks by first piece.
+
+    Raises
+    ------
+    TooManyCrossingsError
+        The contours would not fit into memory.
+    """
+    graph = surface_reeb_graph(mesh) if graph is None else graph
+    contours, crossings = trace_crossings(mesh, levels)
+    pieces = find_pieces(graph, levels, contours, contours_of_arcs(mesh, graph, levels, crossings))
+    pieces, surfaces = measure_pieces(mesh, graph, levels, crossings, pieces)
+    regions = find_regions(mesh, levels, contours, body_of_vertex[contours.lower], pieces)
+    hosts = host_unseen_voids(mesh, levels, crossings, pieces, surfaces, body_of_vertex)
+    return Slices(levels, contours, pieces, regions, *find_blocks(pieces, contours, regions, hosts), surfaces)
 
 
-def _finish(mesh, levels, body_of_vertex, contours, crossings, regions=None):
-    pieces = find_pieces(mesh, levels, contours, crossings, *pair_in_slabs(mesh, levels, contours, crossings))
-    if regions is None:
-        regions = find_regions(mesh, levels, contours, body_of_vertex[contours.lower], pieces)
-    hosts = host_unseen_voids(mesh, levels, crossings, pieces, body_of_vertex)
-    return Slices(levels, contours, pieces, regions, *find_blocks(pieces, contours, regions, hosts))
+def cut_along_arcs(mesh, levels, body_of_vertex, graph):
+    """Do as :func:`cut_surface`, but visit only what the levels cross.
 
+    Parameters
+    ----------
+    mesh, levels, body_of_vertex, graph
+        As for :func:`cut_surface`.
 
-def cut_along_arcs(mesh, graph, levels, body_of_vertex):
-    """The :class:`Slices` by the surface's Reeb graph: fast, and without the areas and fluxes of pieces.
+    Returns
+    -------
+    Slices
+        Pieces come in any order, blocks by first piece. Without `surfaces`, unless some closed piece lies wholly
+        between two levels: it takes faces to tell where a void inside a slab is.
 
-    Pieces come in any order, and `pieces.of_vertex` knows the critical points alone.
+    Raises
+    ------
+    TooManyCrossingsError
+        The contours would not fit into memory.
     """
     contours, of_arcs = trace_arcs_at_levels(mesh, graph, levels)
-    return _block_along_arcs(mesh, graph, levels, body_of_vertex, contours, of_arcs)
-
-
-def _block_along_arcs(mesh, graph, levels, body_of_vertex, contours, of_arcs):
-    pieces = pieces_of_graph(mesh, graph, levels, contours, of_arcs)
-    if (pieces.n_below + pieces.n_above == 0).any():  # it takes faces to tell where a void inside a slab is
-        return cut_surface(mesh, levels, body_of_vertex)
+    pieces = find_pieces(graph, levels, contours, of_arcs)
+    if (pieces.n_below + pieces.n_above == 0).any():
+        return cut_surface(mesh, levels, body_of_vertex, graph)
     regions = find_regions(mesh, levels, contours, body_of_vertex[contours.lower], pieces)
-    return Slices(levels, contours, pieces, regions, *find_blocks(pieces, contours, regions, {}))
+    return Slices(levels, contours, pieces, regions, *find_blocks(pieces, contours, regions, {}), None)

@@ -3,7 +3,7 @@
 import numpy as np
 import pyarrow as pa
 
-from ..arrays.grouping import split_into_blocks
+from ..arrays.grouping import group_items, list_groups, split_into_blocks
 from ..formats.wkb import pack_curves, unpack_curves
 from ..planar.curves import pick_curves
 from ..planar.outlines import Outlines, mend_outlines
@@ -13,7 +13,20 @@ POINTS_AT_ONCE = 1 << 18  # of contours packed together: 4 MB of them, which sta
 
 
 def levels_table(slices, refined):
-    """One row per level. refined : (K,) bool, False for equispaced levels."""
+    """Make the table `levels`, one row per level.
+
+    Parameters
+    ----------
+    slices : Slices
+        A surface cut at K levels.
+    refined : (K,) bool
+        False for equispaced levels.
+
+    Returns
+    -------
+    pyarrow.Table
+        As `schemas` declares it.
+    """
     levels, count = slices.levels, len(slices.levels.height)
     return build_table(
         "levels",
@@ -31,20 +44,44 @@ def levels_table(slices, refined):
 
 
 def contours_table(mesh, slices, shell_of_vertex):
-    """One row per contour, its curve as a WKB closed line string.
+    """Make the table `contours`, one row per contour, its curve as a WKB closed line string.
 
-    shell_of_vertex : (n,) of the mesh's ranks.
+    Parameters
+    ----------
+    mesh : HeightMesh
+        Surface of n vertices.
+    slices : Slices
+        The surface, cut.
+    shell_of_vertex : (n,) int32
+        The shell of every rank.
+
+    Returns
+    -------
+    pyarrow.Table
+        As `schemas` declares it.
     """
     return pa.concat_tables(contours_blocks(mesh, slices, shell_of_vertex))
 
 
 def contours_blocks(mesh, slices, shell_of_vertex):
-    """The same, one block of rows after the other, so that the curves of one block are packed at a time."""
+    """Make the table `contours` in blocks of rows, so that few curves are packed at a time.
+
+    Parameters
+    ----------
+    mesh, slices, shell_of_vertex
+        As for :func:`contours_table`.
+
+    Yields
+    ------
+    pyarrow.Table
+        The next rows, whose contours come to POINTS_AT_ONCE points, or a single one.
+    """
     for first, end in split_into_blocks(slices.contours.start, POINTS_AT_ONCE):
         yield _contour_rows(mesh, slices, shell_of_vertex, slice(first, end))
 
 
 def _contour_rows(mesh, slices, shell_of_vertex, rows):
+    """Rows of the table `contours`; rows : a slice of them."""
     contours, regions = slices.contours, slices.regions
     level, lower, start = contours.level[rows], contours.lower[rows], contours.start[rows.start : rows.stop + 1]
     return build_table(
@@ -68,11 +105,26 @@ def _contour_rows(mesh, slices, shell_of_vertex, rows):
 
 
 def pieces_table(mesh, slices, shell_of_vertex):
-    """One row per piece. shell_of_vertex : (n,) of the mesh's ranks."""
-    pieces, count = slices.pieces, len(slices.pieces.slab)
+    """Make the table `pieces`, one row per piece.
+
+    Parameters
+    ----------
+    mesh : HeightMesh
+        Surface of n vertices.
+    slices : Slices
+        The surface, cut by :func:`.slices.cut_surface`.
+    shell_of_vertex : (n,) int32
+        The shell of every rank.
+
+    Returns
+    -------
+    pyarrow.Table
+        As `schemas` declares it.
+    """
+    pieces, surfaces, count = slices.pieces, slices.surfaces, len(slices.pieces.slab)
     shell = np.empty(count, np.int32)
-    shell[pieces.above] = shell[pieces.below] = shell_of_vertex[slices.contours.lower]
-    shell[pieces.of_vertex] = shell_of_vertex
+    shell[pieces.piece_above] = shell[pieces.piece_below] = shell_of_vertex[slices.contours.lower]
+    shell[surfaces.of_vertex] = shell_of_vertex
     return build_table(
         "pieces",
         {
@@ -82,32 +134,37 @@ def pieces_table(mesh, slices, shell_of_vertex):
             "block": slices.block_of_piece,
             "n_below": pieces.n_below,
             "n_above": pieces.n_above,
-            "below": _lists(pieces.above, count),
-            "above": _lists(pieces.below, count),
+            "below": list_groups(group_items(pieces.piece_above, count)),
+            "above": list_groups(group_items(pieces.piece_below, count)),
             "euler_characteristic": pieces.euler_characteristic,
             "genus": pieces.genus,
             "kind": pieces.kinds(),
-            "area": pieces.area,
-            "flux": pieces.flux,
-            "critical": [mesh.vertex[critical].tolist() for critical in pieces.critical],
-            "critical_ranks": [critical.tolist() for critical in pieces.critical],
+            "area": surfaces.area,
+            "flux": surfaces.flux,
+            "critical": list_groups(pieces.critical._replace(member=mesh.vertex[pieces.critical.member])),
+            "critical_ranks": list_groups(pieces.critical),
         },
     )
 
 
-def _lists(group, count):
-    """The members of every group: `count` lists of the positions in `group`."""
-    order = np.argsort(group, kind="stable")
-    members, cuts = order.tolist(), np.cumsum(np.bincount(group, minlength=count)).tolist()
-    return [members[a:b] for a, b in zip([0, *cuts], cuts)]
-
-
 def _or_null(values):
+    """A list of the values, None for NaN."""
     return [None if np.isnan(value) else value for value in values.tolist()]
 
 
 def block_regions(pieces, contours):
-    """Regions below and above every block: two lists of ascending id lists."""
+    """List the regions below and above every block.
+
+    Parameters
+    ----------
+    pieces, contours : pyarrow.Table
+        The tables.
+
+    Returns
+    -------
+    below, above : list of B lists of int
+        Ids of the regions, ascending.
+    """
     region, block = contours["region"].to_numpy(), pieces["block"].to_numpy().astype(np.int64)
     count = max(count_regions(contours), 1)
     ends = []
@@ -121,12 +178,12 @@ def block_regions(pieces, contours):
 
 
 def count_regions(contours):
-    """The number of regions; none where all levels pass between the parts of a model."""
+    """Count the regions of the table `contours`; there are none where all levels pass between the parts of a model."""
     return int(contours["region"].to_numpy().max(initial=-1)) + 1
 
 
 def region_levels(contours):
-    """The level of every region, (R,) int32."""
+    """Look up the level of every region of the table `contours`, (R,) int32."""
     region = contours["region"].to_numpy()
     level = np.empty(count_regions(contours), np.int32)
     level[region] = contours["level"].to_numpy()
@@ -134,18 +191,38 @@ def region_levels(contours):
 
 
 def contour_curves(contours, geometry):
-    """The contours as closed :class:`curves.Curves`, tilted frame.
+    """Read the curves of the contours.
 
-    geometry : that column of the table, an iterable of Arrow arrays, of which one is held at a time.
+    Parameters
+    ----------
+    contours : pyarrow.Table
+        The table, which may lack the column `geometry`.
+    geometry : iterable of pyarrow.Array
+        That column, of which one array is held at a time.
+
+    Returns
+    -------
+    Curves
+        Closed curves in the tilted frame; of neighbouring points that coincide the file has one.
     """
     return unpack_curves(geometry, int(contours["n_points"].to_numpy().sum()) + contours.num_rows)
 
 
 def region_outlines(contours, curves):
-    """The valid :class:`outlines.Outlines` of the regions, (R,), tilted frame.
+    """Gather the outlines of the regions.
 
-    Contours too small to span a triangle in floating point are left out; a
-    region whose outer contour is one of them has no outline.
+    Parameters
+    ----------
+    contours : pyarrow.Table
+        The table, of R regions.
+    curves : Curves
+        What :func:`contour_curves` returns.
+
+    Returns
+    -------
+    Outlines
+        Valid as polygons, tilted frame. Contours too small to span a triangle in floating point are left out;
+        a region whose outer contour is one of them has no outline.
     """
     region, inner = contours["region"].to_numpy(), contours["inner"].to_numpy(zero_copy_only=False)
     usable, count = _spans_triangle(contours, curves), count_regions(contours)
@@ -158,11 +235,23 @@ def region_outlines(contours, curves):
 
 
 def contour_outlines(contours, curves):
-    """The same of what every contour encloses, (C,), hole or not."""
+    """Gather the outlines of what every contour encloses, hole or not.
+
+    Parameters
+    ----------
+    contours, curves
+        As for :func:`region_outlines`.
+
+    Returns
+    -------
+    Outlines
+        Of C contours.
+    """
     usable = _spans_triangle(contours, curves)
     rings = pick_curves(curves, np.flatnonzero(usable))
     return mend_outlines(Outlines(*rings, np.concatenate([[0], np.cumsum(usable)]), np.zeros(usable.sum(), bool)))
 
 
 def _spans_triangle(contours, curves):
+    """Whether each contour spans a triangle in floating point."""
     return (np.diff(curves.start) >= 4) & (contours["signed_area"].to_numpy() != 0)
