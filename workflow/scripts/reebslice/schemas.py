@@ -122,6 +122,19 @@ SCHEMAS = {
         _field("upper_vertex", _INT),
         _field("geometry", pa.binary(), "mesh, tilted frame (WKB closed line string)"),
     ),
+    # How those multiple saddles come apart between whose copies a level runs, one
+    # row per copy but the last of each: a wedge of upper neighbours of the surface
+    # vertex `vertex`, from `first` to `last` counter-clockwise seen from outside,
+    # goes with its faces to a copy just below what remains. `rank`: of the copy, as
+    # `critical_points.rank`. Most models have none.
+    "unfoldings": _table(
+        "unfolding",
+        _field("unfolding", _INT),
+        _field("rank", _INT),
+        _field("vertex", _INT),
+        _field("first", _INT),
+        _field("last", _INT),
+    ),
     # `block`: the connected component of the solid in the slab that the piece
     # bounds (unique in the model). `area`: of the surface in the slab. `flux`: the piece's share of the
     # volume of the solid in the slab. `critical`: the surface vertices of its
