@@ -373,6 +373,36 @@ def test_consistent_lies_are_caught(mutate):
     assert caught(mutate(tables), tilt, graphs)
 
 
+def test_every_other_unfolding_of_a_saddle_is_caught():
+    """Of the five upper wedges around the vertex three are split off, and between all copies runs a level."""
+    tables, tilt, graphs = run(monkey_saddle(5), [0, 0, 1], {})
+    rows = tables["unfoldings"].to_pylist()
+    assert certificate(tables, tilt, graphs)["verdict"] == "exact" and len(rows) == 3
+    vertex, points = rows[0]["vertex"], np.stack([tables["vertices"][axis].to_numpy() for axis in "xyz"], axis=1)
+    faces = np.stack([tables["faces"][corner].to_numpy() for corner in "abc"], axis=1)
+    after = dict(
+        np.roll(face, -face.tolist().index(vertex))[1:].tolist() for face in faces[(faces == vertex).any(axis=1)]
+    )
+    upper = {w for w in after if points[w, 2] > points[vertex, 2]}
+    wedges = []
+    for w in upper - {after[u] for u in upper}:
+        first, w = w, w
+        while after[w] in upper:
+            w = after[w]
+        wedges.append({"first": first, "last": w})
+    assert len(wedges) == 5
+    told = [{"first": row["first"], "last": row["last"]} for row in rows]
+    for row, wedge in ((row, wedge) for row in range(3) for wedge in wedges if wedge != told[row]):
+        other = dict(told[row])
+
+        def trade(rows):
+            for one in rows:  # a wedge that another copy has goes to this one's
+                one.update(other if {"first": one["first"], "last": one["last"]} == wedge else {})
+            rows[row].update(wedge)
+
+        assert caught(alter(tables, "unfoldings", trade), tilt, graphs)
+
+
 def test_bounds_of_an_arc_between_two_levels_are_held_against_its_events():
     tables, tilt, graphs = run(winding_voids(), [0.31, 0.23, 0.92], {})
     assert failures(certificate(tables, tilt, graphs)) == []

@@ -112,7 +112,7 @@ def alter(tables, name, change):
 
 
 def change_value(choice, tables):
-    name = choice.choice([name for name in MODEL_TABLES if name not in GIVEN])
+    name = choice.choice([name for name in MODEL_TABLES if name not in GIVEN and tables[name].num_rows])
     field, rows = choice.choice(list(SCHEMAS[name])), tables[name].to_pylist()
     row = choice.randrange(len(rows))
     value = another(choice, rows, row, field)
@@ -140,7 +140,7 @@ def another(choice, rows, row, field):
 
 
 def change_rows(choice, tables):
-    name = choice.choice(MODEL_TABLES)
+    name = choice.choice([name for name in MODEL_TABLES if tables[name].num_rows])
     row = choice.randrange(tables[name].num_rows)
     drop = choice.random() < 0.5
     return alter(tables, name, lambda rows: rows.pop(row) if drop else rows.insert(row, dict(rows[row])))

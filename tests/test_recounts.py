@@ -269,6 +269,6 @@ def test_contours_around_a_contour(seed):
             points = shapely.get_coordinates(curves[one])
             inside = shapely.contains_xy(polygons[other], (points[1:] + points[:-1]) / 2)
             if shapely.distance(curves[one], curves[other]) > 1e-6:
-                assert nest.innermost(one, [other]) == (other if inside.all() else -1, False)
+                assert nest.innermost(one, [other]) == (other if inside.all() else -1, False, False)
             elif 0 < inside.mean() < 1:
-                assert nest.innermost(one, [other]) == (-1, True)
+                assert nest.innermost(one, [other]) == (-1, True, False)

@@ -1,4 +1,4 @@
-"""Cut the surface into level sets and slab pieces: `levels`, `contours`, `pieces`."""
+"""Cut the surface into level sets and slab pieces: `levels`, `contours`, `unfoldings`, `pieces`."""
 
 import numpy as np
 
@@ -6,10 +6,11 @@ from corpus.stages import Rejected, run_batch
 from corpus.storage import write_blocks, write_table
 from corpus.surfaces import read_height_mesh, vertex_bodies
 from reebslice.errors import TooManyCrossingsError
+from reebslice.morse.unfolding import unfoldings_table
 from reebslice.slicing.refinement import feature_scale, slice_surface
 from reebslice.slicing.tables import contours_blocks, levels_table, pieces_table
 
-OUTPUTS = ("levels.parquet", "contours.parquet", "pieces.parquet")
+OUTPUTS = ("levels.parquet", "contours.parquet", "unfoldings.parquet", "pieces.parquet")
 
 
 def main(source, target, options):
@@ -26,6 +27,7 @@ def main(source, target, options):
         ) from None
     write_table(target / "levels.parquet", "levels", levels_table(slices, refined))
     write_blocks(target / "contours.parquet", "contours", contours_blocks(mesh, slices, shell))
+    write_table(target / "unfoldings.parquet", "unfoldings", unfoldings_table(mesh, slices.levels.below))
     write_table(target / "pieces.parquet", "pieces", pieces_table(mesh, slices, shell))
 
 

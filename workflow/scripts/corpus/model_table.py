@@ -51,7 +51,10 @@ def _join_stages(paths):
             row[f"seconds_{stage}"] = entry["seconds"]
             row[f"peak_memory_mb_{stage}"] = entry["peak_memory_mb"]
     for row in rows.values():
-        row |= {name: figure for name, figure in _figures(row["model"]).items() if name not in row}
+        figures = _figures(row["model"])
+        row |= {name: figure for name, figure in figures.items() if name not in row}
+        if row["status"] == "ok":  # why it is uncertified
+            row["reason"] = figures.get("reason") or row["reason"]
         if row["status"] != "ok":
             row["verdict"] = "rejected" if row["status"] == "rejected" else None
     return list(rows.values())

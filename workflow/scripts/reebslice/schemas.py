@@ -99,12 +99,12 @@ SCHEMAS = {
         (
             "vertices_below",
             _INT,
-            "Vertices below it in the order of heights (ties by tilted x, then y): this defines the level.",
+            "Vertices below it in the order of heights, which defines it.",
         ),
         (
             "tie_x",
             _REAL,
-            "Tilted x at which the level runs through a flat of its height; null where no flat is.",
+            "Tilted x at which it runs through a flat of its height.",
             ("unit", "mesh"),
             ("null", True),
         ),
@@ -131,10 +131,19 @@ SCHEMAS = {
         (
             "geometry",
             _WKB,
-            "The closed curve, material on its left; coordinates of the TILTED frame.",
+            "The closed curve, material on its left; TILTED frame.",
             ("unit", "mesh, tilted frame (WKB closed line string)"),
         ),
     ),
+    ),
+    "unfoldings": _table(
+        "unfolding",
+        "How a multiple saddle comes apart where a level runs between its copies; most models have none.",
+        ("unfolding", _INT, "Id: one for each copy of a vertex but its last."),
+        ("rank", _INT, "Place of the copy in the order of heights, as in `critical_points`."),
+        ("vertex", _INT, "The vertex, a row of `vertices`."),
+        ("first", _INT, "Upper neighbour, a row of `vertices`, at which the wedge of faces that the copy takes begins."),
+        ("last", _INT, "Upper neighbour at which it ends, counter-clockwise seen from outside."),
     "pieces": _table(
         "piece",
         "A connected component of the surface between two consecutive levels.",
@@ -151,7 +160,7 @@ SCHEMAS = {
         (
             "kind",
             _TEXT,
-            "`cylinder`, `birth`, `death`, `join`, `split`; `compound` or `unseen` where it is not elementary.",
+            "`cylinder`, `birth`, `death`, `join`, `split`, else `compound` or `unseen`.",
         ),
         ("area", _REAL, "Area of the surface in the slab.", ("unit", "mesh^2")),
         ("flux", _REAL, "Share of the volume of the solid in the slab.", ("unit", "mesh^3")),

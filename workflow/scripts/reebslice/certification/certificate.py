@@ -6,13 +6,12 @@ one that fails makes the model uncertified. Nothing here, in `checks` or in
 `recount` uses the code that made the tables.
 """
 
-from types import SimpleNamespace
-
 import numpy as np
 import shapely
 
 from .checks import critical_points, form, handles, links, regions, slices, surface
 from .checks import graphs as graph_checks
+from .facts import Facts
 from .ledger import Ledger
 
 # What a table that contradicts itself can make numpy, shapely or a lookup say.
@@ -51,6 +50,16 @@ CROSSING = (
     "hole by the sign of its whole area, and material where sheets overlap counts as often as they do."
 )
 
+CROSSES = (
+    "The surface crosses itself; take the parts that cross apart, or unite them, in the program that made the mesh."
+)
+UNRESOLVED = (
+    "Between two levels lie critical points of {:.6g} or more, the feature size, whose order the graph does not show; "
+    "take a smaller distance, or levels: {{refine: exact}}."
+)
+HEURISTIC = "Links by a heuristic are not certified; take edges: {method: exact}."
+DIFFERENT = "The results do not fit the mesh; make the model's results anew, and if it fails again, report it."
+
 BY_SOS = (
     "Neighbouring vertices have one height, or differ by no more than rounding. The graphs are those of the height "
     "tilted by an infinitesimal amount towards x of the tilted frame, and by an infinitesimal part of that towards y "
@@ -77,8 +86,7 @@ def certify(tables, tilt, graphs, feature_size, distance=None, curves=None):
     that a step cannot be made is a check that fails, and the steps that build
     on it are entered as not made.
     """
-    case = SimpleNamespace(tables=tables, tilt=tilt, graphs=graphs, size=feature_size, distance=distance, open={})
-    case.read_curves = curves
+    facts = Facts(tables, tilt, graphs, feature_size, distance, curves)
     ledger = Ledger()
     stopped = ""
     for step in STEPS:
@@ -88,7 +96,7 @@ def certify(tables, tilt, graphs, feature_size, distance=None, curves=None):
             continue
         try:
             before = len(ledger.checks)
-            step(case, ledger)
+            step(facts, ledger)
             failed = [n for n in list(ledger.checks)[before:] if not ledger.checks[n]["holds"]]
             stopped = f"the check {failed[0]!r}" if failed and step in FOUNDATIONS else ""
         except CONTRADICTIONS as fault:
@@ -97,10 +105,12 @@ def certify(tables, tilt, graphs, feature_size, distance=None, curves=None):
             )
             ledger.enter(f"{name}: made", False, True, says=says)
             stopped = f"the step {name!r}"
-    return {"verdict": _verdict(case, ledger)} | _figures(case) | {"checks": ledger.checks}
+    verdict = _verdict(facts, ledger)
+    reason = _reason(facts, ledger) if verdict == "uncertified" else ""
+    return {"verdict": verdict, "reason": reason} | _figures(facts) | {"checks": ledger.checks}
 
 
-def _verdict(case, ledger):
+def _verdict(facts, ledger):
     """The verdict, from the checks and from what the graph does not show apart.
 
     That is, critical points that share a piece or a block, and pairs that
@@ -108,37 +118,53 @@ def _verdict(case, ledger):
     """
     if not ledger.holds():
         return "uncertified"
-    groups, cancelled = unresolved_groups(case), case.cancelled.max(initial=0.0)
-    if not groups and cancelled <= case.noise:
+    groups, cancelled = unresolved_groups(facts), facts.cancelled.max(initial=0.0)
+    if not groups and cancelled <= facts.noise:
         return "exact"
-    small = all(_small(case, group) for group in groups) and cancelled < case.size
+    small = all(_small(facts, group) for group in groups) and cancelled < facts.size
     return "exact_at_feature_size" if small else "uncertified"
 
 
-def unresolved_groups(case):
+def _reason(facts, ledger):
+    """Why the model is uncertified and what to do, in a sentence or two."""
+    failed = [name for name, check in ledger.checks.items() if not check["holds"]]
+    if not failed:
+        return UNRESOLVED.format(facts.size)
+    first = ledger.checks[failed[0]]
+    more = "" if len(failed) == 1 else f" ({len(failed) - 1} more after it)"
+    told = f"The check {failed[0]!r} fails{more}: {first['says'] or _sides(first)}"
+    if facts.crossing:
+        return f"{CROSSES} {told}"
+    return f"{told} {HEURISTIC if failed[0] == 'edges.method' else DIFFERENT}"
+
+
+def _sides(check):
+    return f"found {check['found']}, expected {check['expected']}."
+
+
+def unresolved_groups(facts):
     """Handles (lists) of each piece that is not elementary and of each block whose order is open."""
-    t = case.columns
+    t = facts.columns
     groups = []
-    for piece in np.flatnonzero(~case.elementary).tolist():
+    for piece in np.flatnonzero(~facts.elementary).tolist():
         groups.append(np.flatnonzero(t.handles["piece"] == piece).tolist())
-    for block in np.flatnonzero(~case.block_resolved).tolist():
+    for block in np.flatnonzero(~facts.block_resolved).tolist():
         groups.append(np.flatnonzero(t.handles["block"] == block).tolist())
     return groups
 
 
-def _small(case, group):
+def _small(facts, group):
     """Whether at most one of the handles has at least the feature size."""
-    persistence = case.columns.handles["persistence"]
-    return sum(persistence[h] >= case.size for h in group) < 2
+    persistence = facts.columns.handles["persistence"]
+    return sum(persistence[h] >= facts.size for h in group) < 2
 
 
-def _figures(case):
+def _figures(facts):
     """Everything in the certificate besides verdict and checks; None where unknown."""
-    get = lambda name, default=None: getattr(case, name, default)  # noqa: E731
-    kinds, handles = get("kinds"), getattr(get("columns"), "handles", None)
+    kinds, handles = facts.kinds, getattr(facts.columns, "handles", None)
     similarity = None
-    if get("similarity") is not None and len(case.similarity):
-        values = case.similarity
+    if facts.similarity is not None and len(facts.similarity):
+        values = facts.similarity
         similarity = {
             "min": float(values.min()),
             "median": float(np.median(values)),
@@ -146,24 +172,24 @@ def _figures(case):
             "share_below_half": float((values < 0.5).mean()),
         }
     index = None if handles is None else np.asarray(handles["index"])
-    cancelled, why = get("cancelled"), getattr(get("columns"), "levels", {}).get("why")
-    tilt = case.tilt if isinstance(case.tilt, dict) else {}
+    cancelled, why = facts.cancelled, getattr(facts.columns, "levels", {}).get("why")
+    tilt = facts.tilt if isinstance(facts.tilt, dict) else {}
     return {
-        "euler_characteristic": get("euler"),
-        "genus": get("genus"),
-        "voids": get("voids"),
-        "betti_solid": get("betti"),
-        "shells": get("n_shells"),
+        "euler_characteristic": facts.euler,
+        "genus": facts.genus,
+        "voids": facts.voids,
+        "betti_solid": facts.betti,
+        "shells": facts.n_shells,
         "handles": None if index is None else {str(i): int((index == i).sum()) for i in range(3)},
-        "loops_surface": get("loops_surface"),
-        "loops_solid": get("loops_solid"),
-        "hidden_genus": get("hidden"),
-        "suppressed_loops": get("suppressed"),
-        "simplified": get("simplified"),
+        "loops_surface": facts.loops_surface,
+        "loops_solid": facts.loops_solid,
+        "hidden_genus": facts.hidden,
+        "suppressed_loops": facts.suppressed,
+        "simplified": facts.simplified,
         "compound": None if kinds is None else int((kinds == "compound").sum()),
         "unseen": None if kinds is None else int((kinds == "unseen").sum()),
-        "unresolved_blocks": None if get("block_resolved") is None else int((~case.block_resolved).sum()),
-        "cancelled_pairs": None if cancelled is None else int((cancelled > case.noise).sum()),
+        "unresolved_blocks": None if facts.block_resolved is None else int((~facts.block_resolved).sum()),
+        "cancelled_pairs": None if cancelled is None else int((cancelled > facts.noise).sum()),
         "cancelled_persistence": None if cancelled is None else float(cancelled.max(initial=0.0)),
         "levels": None if why is None else len(why),
         "refined_levels": None if why is None else int((np.asarray(why) == "refined").sum()),
@@ -171,12 +197,12 @@ def _figures(case):
         "angle": tilt.get("angle"),
         "morse": tilt.get("morse"),
         "height_interpretation": BY_SOS if tilt.get("morse") == "by_sos" else "",
-        "feature_size": float(case.size),
+        "feature_size": float(facts.size),
         "similarity": similarity,
-        "open_questions": {name: int(value) for name, value in case.open.items()},
+        "open_questions": {name: int(value) for name, value in facts.open.items()},
         "solid_interpretation": " ".join(
-            text for text, holds in ((APART, get("entangled")), (CROSSING, get("crossing"))) if holds
+            text for text, holds in ((APART, facts.entangled), (CROSSING, facts.crossing)) if holds
         ),
-        "volume": get("volume"),
-        "area": get("area"),
+        "volume": facts.volume,
+        "area": facts.area,
     }

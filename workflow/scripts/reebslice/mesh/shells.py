@@ -9,15 +9,17 @@ import numpy as np
 from numba import njit
 
 SAMPLES = 33  # faces of a shell that vote on what it is inside
+CLEAR = 1e-6  # of the shell's extent, how far from its faces it votes
 
 
 def find_enclosing(points, faces, shell, n_shells):
     """Return, for each shell, the sorted list of the shells that enclose it.
 
-    A shell encloses another if its box does and if most of `SAMPLES` face
-    centres of the other are inside it, by the parity of an upward ray. Centres
-    on the shell itself, to rounding, do not vote, so that of two coinciding
-    shells none encloses the other.
+    A shell encloses another if its box does and if most of `SAMPLES` faces of
+    the other are inside it. A face votes by the two points a little off its
+    centre on both of its sides, each by the parity of an upward ray, and only
+    if they agree: where walls touch they do not, so that of two coinciding
+    shells none encloses the other, and a plate is not around the pin in its bore.
     """
     enclosing = [[] for _ in range(n_shells)]
     if n_shells == 1:
@@ -50,20 +52,30 @@ def _find_boxes(points, faces, shell, n_shells):
 
 
 def _sample_centres(points, faces, member):
+    """Points a little off the centres of some of the faces `member`, (k, 2, 3): on either side of each."""
     chosen = member[np.unique(np.linspace(0, len(member) - 1, SAMPLES).astype(np.int64))]
     a, b, c = (points[faces[chosen, k]] for k in range(3))
-    return a + ((b - a) + (c - a)) / 3
+    normal = np.cross(b - a, c - a)
+    normal *= (
+        CLEAR
+        * np.ptp(points[faces[member]], axis=(0, 1)).max()
+        / np.maximum(np.linalg.norm(normal, axis=1), 1e-300)[:, None]
+    )
+    centre = a + ((b - a) + (c - a)) / 3
+    return np.stack([centre - normal, centre + normal], axis=1)
 
 
 def _count_votes(points, faces, groups):
-    """Return, for each group of query points, the points inside minus those outside."""
-    queries = np.concatenate(groups)
-    group = np.repeat(np.arange(len(groups)), [len(one) for one in groups])
+    """Return, for each group of pairs of points, the pairs inside minus those outside."""
+    queries = np.concatenate(groups).reshape(-1, 3)
+    group = np.repeat(np.arange(len(groups)), [2 * len(one) for one in groups])
     order = np.argsort(queries[:, 0], kind="stable")
     margin = 1e-14 * (np.abs(points[faces]).max() + np.ptp(points[faces], axis=(0, 1)).max())
     inside, on = cast_rays(points, faces, queries[order], margin)
-    vote = np.where(on, 0, np.where(inside, 1, -1))
-    return np.bincount(group[order], vote, len(groups))
+    vote = np.empty(len(order), np.int64)
+    vote[order] = np.where(on, 0, np.where(inside, 1, -1))
+    agreed = np.where(vote[::2] == vote[1::2], vote[::2], 0)
+    return np.bincount(group[::2], agreed, len(groups))
 
 
 @njit(cache=True)

@@ -3,6 +3,7 @@
 import numpy as np
 from numba import njit
 
+from ..schemas import build_table
 from .critical_points import vertex_indices
 from .ordered_mesh import HeightMesh, cross_at
 
@@ -189,3 +190,47 @@ def unfold_saddles(mesh):
     index = vertex_indices(mesh)
     multiple = np.flatnonzero(index < -1).astype(np.int32)
     return split_saddles(mesh, multiple, int((-1 - index[multiple]).sum())) if len(multiple) else mesh
+
+
+def unfoldings_table(mesh, below):
+    """Tell how the multiple saddles came apart between whose copies a level runs.
+
+    Parameters
+    ----------
+    mesh : HeightMesh
+        Of :func:`unfold_saddles`.
+    below : (K,) int
+        Vertices below each level.
+
+    Returns
+    -------
+    pyarrow.Table
+        `unfoldings`, in order of rank; empty for most models.
+    """
+    same = np.append(mesh.vertex[1:] == mesh.vertex[:-1], False)  # as the following one
+    cuts = np.asarray(below, np.int64)
+    cuts = cuts[(cuts > 0) & (cuts < len(same))]
+    folded = mesh.vertex[cuts[same[cuts - 1]]]
+    copies = np.flatnonzero(same & np.isin(mesh.vertex, folded)) if len(folded) else np.empty(0, np.int64)
+    wedge = copies, copies
+    if len(copies):
+        corner = _corners_at(mesh.faces, copies, len(mesh.points))
+        wedge = _wedges_of(mesh.faces, mesh.twins, mesh.vertex, copies, corner)
+    columns = {name: mesh.vertex[ranks] for name, ranks in zip(("vertex", "first", "last"), (copies, *wedge))}
+    return build_table("unfoldings", columns | {"unfolding": np.arange(len(copies)), "rank": copies})
+
+
+@njit(cache=True)
+def _wedges_of(faces, twins, vertex, copies, corner):
+    """First and last vertex of the wedge of each copy, counter-clockwise: of its upper neighbours other than copies."""
+    first, last = np.empty(len(copies), np.int64), np.empty(len(copies), np.int64)
+    for k in range(len(copies)):
+        link, _ = _link(faces, twins, np.int64(corner[k]))
+        for i in range(len(link)):
+            before, now, after = link[i - 1], link[i], link[(i + 1) % len(link)]
+            if now > copies[k] and vertex[now] != vertex[copies[k]]:
+                if before < copies[k]:
+                    first[k] = now
+                if after < copies[k]:
+                    last[k] = now
+    return first, last

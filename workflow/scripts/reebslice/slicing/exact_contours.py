@@ -17,6 +17,8 @@ from numba import njit
 
 from ..morse.ordered_mesh import next_half_edge
 
+SPOTS = 5  # points of a contour that tell whether another runs around it
+
 
 def exact_tilt(points):
     """Find a tilt that orders points by one number as (z, x, y) does.
@@ -49,7 +51,7 @@ class ExactContours:
 
     def __init__(self, mesh, levels, contours):
         self.mesh, self.levels, self.contours = mesh, levels, contours
-        self.known = {}
+        self.known, self.boxes = {}, {}
 
     @cached_property
     def tilt(self):
@@ -68,13 +70,38 @@ class ExactContours:
         """Whether a contour runs clockwise."""
         return turns_clockwise(self.corners(contour))
 
-    def around(self, contour, others):
-        """Those of `others`, contours of the same level, that run around a contour, innermost first."""
-        spot = point_on(self.corners(contour))
-        found = [other for other in others if other != contour and encloses(self.corners(other), spot)]
-        spots = {other: point_on(self.corners(other)) for other in found}
-        depth = {o: sum(p != o and encloses(self.corners(p), spots[o]) for p in found) for o in found}
+    def around(self, contour, others, inner):
+        """Those of `others`, contours of the same level, that run around a contour, innermost first.
+
+        inner : (C,) bool, which contours are holes; it tells where two
+        contours coincide within rounding, as those of walls that touch
+        """
+        found = [other for other in others if other != contour and self._runs_around(other, contour, inner)]
+        depth = {o: sum(p != o and self._runs_around(p, o, inner) for p in found) for o in found}
         return sorted(found, key=depth.get, reverse=True)
+
+    def _runs_around(self, outside, contour, inner):
+        """Whether a contour runs around another, by `SPOTS` points of that.
+
+        If those disagree, the surfaces touch, and what is between them is
+        taken as a gap: the outer contour lies in the hole. Of two outer
+        contours or two holes, the one of the larger number is inside.
+        """
+        corners = self.corners(contour)
+        spots = [_middle(corners, k * len(corners) // SPOTS) for k in range(min(SPOTS, len(corners)))]
+        low_x, low_y, high_x, high_y = self._box(outside)
+        if not any(low_x <= x <= high_x and low_y <= y <= high_y for x, y in spots):
+            return False
+        votes = [encloses(self.corners(outside), spot) for spot in spots]
+        if any(votes) and not all(votes):
+            return contour > outside if inner[contour] == inner[outside] else bool(inner[outside])
+        return votes[0]
+
+    def _box(self, contour):
+        if contour not in self.boxes:
+            x, y = zip(*self.corners(contour))
+            self.boxes[contour] = min(x), min(y), max(x), max(y)
+        return self.boxes[contour]
 
 
 @njit(cache=True)
@@ -166,9 +193,9 @@ def turns_clockwise(corners):
     return False
 
 
-def point_on(corners):
-    """A point on a closed polygon, in the middle of one of its segments."""
-    (ax, ay), (bx, by) = corners[0], corners[-1]
+def _middle(corners, k):
+    """The middle of the segment of a closed polygon that ends in its corner k."""
+    (ax, ay), (bx, by) = corners[k], corners[k - 1]
     return (ax + bx) / 2, (ay + by) / 2
 
 

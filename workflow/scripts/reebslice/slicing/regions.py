@@ -73,7 +73,6 @@ def find_regions(mesh, levels, contours, body, pieces=None):
     size = np.abs(area)
     for hole in np.flatnonzero(inner & (outer < 0)):
         outer[hole] = _nearest_outer(hole, contours.level, pieces, size, inner, body)
-        parent[hole] = outer[hole] if parent[hole] < 0 else parent[hole]
     head = np.where(inner & (outer >= 0), outer, np.arange(len(inner)))
     outers = np.flatnonzero(head == np.arange(len(head))).astype(np.int32)
     name = np.full(len(head), -1, np.int32)
@@ -105,7 +104,7 @@ def _nest_exactly(exact, unsure, level, inner, body, parent, outer):
     """Fill in `parent` and `outer` of the contours for which floats do not suffice."""
     for contour in unsure.tolist():
         first, end = _beside(level, contour)
-        around = np.array(exact.around(contour, range(first, end)), np.int64)
+        around = np.array(exact.around(contour, range(first, end), inner), np.int64)
         hosts = around[~inner[around] & (body[around] == body[contour])]
         parent[contour] = around[0] if len(around) else -1
         outer[contour] = hosts[0] if len(hosts) else -1

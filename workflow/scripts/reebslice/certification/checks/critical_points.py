@@ -1,7 +1,7 @@
 """Checks of the exact Reeb graph of the surface, and of the simplified graphs.
 
-Each takes the case (what is known of the model so far) and a ledger to enter
-its findings in; what it recomputes it leaves in the case for later checks.
+Each takes the :class:`facts.Facts` known so far and a ledger to enter its findings in;
+what it recomputes it leaves in the facts for later checks.
 """
 
 from collections import Counter
@@ -14,10 +14,10 @@ from ..recount.graphs import count_loops, find_parts, neighbours
 from ..recount.surface import copies
 
 
-def check_critical(case, ledger):
+def check_critical(facts, ledger):
     """Every critical point, its partner, and arcs that fit the contours of every level."""
-    t, arcs = case.columns.critical_points, case.columns.critical_arcs
-    surface = case.surface
+    t, arcs = facts.columns.critical_points, facts.columns.critical_arcs
+    surface = facts.surface
     point = np.flatnonzero(surface.index >= 0)
     repeats = copies(surface)[point]
     point = np.repeat(point, repeats)
@@ -32,11 +32,11 @@ def check_critical(case, ledger):
     ends = np.stack([arcs["source"], arcs["target"]], axis=1).astype(np.int64)
     for name, end in zip(("lower", "upper"), ends.T):
         ledger.rows(f"critical_arcs.{name}", arcs[name] == t["height"][end], "height of its end")
-    _check_pairs(case, ledger, t, ends, point)
-    _check_arcs(case, ledger, t, ends)
+    _check_pairs(facts, ledger, t, ends, point)
+    _check_arcs(facts, ledger, t, ends)
 
 
-def _check_pairs(case, ledger, t, ends, point):
+def _check_pairs(facts, ledger, t, ends, point):
     """Partners by the elder rule on the whole surface, and of loops on the graph."""
     n, partner, index = len(t["rank"]), t["partner"], t["index"]
     ledger.rows("critical_points.partner", partner[partner] == np.arange(n), "each the partner of its partner")
@@ -50,53 +50,53 @@ def _check_pairs(case, ledger, t, ends, point):
         for word in words.values()
     }
     stated = np.concatenate([of_pairing[word].reshape(-1, 2) for word in ("ordinary", "relative")]).astype(int)
-    _, pairs = essential_points(case.surface, case.sides)
+    _, pairs = essential_points(facts.surface, facts.sides)
     stated, pairs = (sorted(map(tuple, np.sort(ends, axis=1).tolist())) for ends in (point[stated], pairs))
     ledger.enter("critical_points.pairs of components", stated == pairs, True)
     minima, maxima, loops = graph_pairs(n, ends)
     found = [sorted(map(tuple, of_pairing[word].tolist())) for word in ("ordinary", "relative", "loop")]
     ledger.enter("critical_arcs: pairs of components", found[:2] == [minima, maxima], True)
     ledger.enter("critical_points.pairs of loops", found[2] == loops, True)
-    shell = case.shell_of_vertex[t["vertex"]]
+    shell = facts.shell_of_vertex[t["vertex"]]
     lowest = np.unique(shell, return_index=True)[1]
     highest = n - 1 - np.unique(shell[::-1], return_index=True)[1]
     ledger.rows("critical_points.pairs of shells", partner[lowest] == highest, "lowest and highest point of the shell")
 
 
-def _check_arcs(case, ledger, t, ends):
+def _check_arcs(facts, ledger, t, ends):
     """Degrees, loops, and as many arcs at every level as the level has contours of each shell."""
-    n, index, shell = len(t["rank"]), t["index"], case.shell_of_vertex[t["vertex"]]
+    n, index, shell = len(t["rank"]), t["index"], facts.shell_of_vertex[t["vertex"]]
     ledger.rows("critical_arcs.ends", (ends[:, 0] < ends[:, 1]) & (shell[ends[:, 0]] == shell[ends[:, 1]]), "upward")
     up, down = np.bincount(ends[:, 0], minlength=n), np.bincount(ends[:, 1], minlength=n)
     union = np.isin(t["pairing"], ("ordinary",)) | ((t["pairing"] == "loop") & (t["partner"] < np.arange(n)))
     wanted = np.select([index == 0, index == 2, union], [10, 1, 12], 21)
     ledger.rows("critical_arcs.degrees", 10 * up + down == wanted, "arcs above and below its critical points")
-    genus = np.bincount(shell[ends[:, 0]], minlength=case.n_shells) - np.bincount(shell, minlength=case.n_shells) + 1
-    ledger.rows("critical_arcs.loops", genus == case.shell_genus, "genus of the shell")
-    ledger.enter("critical_arcs.components", len(np.unique(count_loops(n, ends)[1])), case.n_shells)
-    below = case.columns.levels["vertices_below"]
+    genus = np.bincount(shell[ends[:, 0]], minlength=facts.n_shells) - np.bincount(shell, minlength=facts.n_shells) + 1
+    ledger.rows("critical_arcs.loops", genus == facts.shell_genus, "genus of the shell")
+    ledger.enter("critical_arcs.components", len(np.unique(count_loops(n, ends)[1])), facts.n_shells)
+    below = facts.columns.levels["vertices_below"]
     first, last = (np.searchsorted(below, t["rank"][end], side="right") for end in ends.T)
     of_arc, levels = shell[ends[:, 0]], len(below)
-    change = np.zeros((case.n_shells, levels + 1), np.int64)
+    change = np.zeros((facts.n_shells, levels + 1), np.int64)
     np.add.at(change, (of_arc, first), 1)
     np.add.at(change, (of_arc, last), -1)
-    contours = np.zeros((case.n_shells, levels), np.int64)
-    np.add.at(contours, (case.columns.contours["shell"], case.columns.contours["level"]), 1)
+    contours = np.zeros((facts.n_shells, levels), np.int64)
+    np.add.at(contours, (facts.columns.contours["shell"], facts.columns.contours["level"]), 1)
     same = (np.cumsum(change, axis=1)[:, :levels] == contours).all(axis=0)
     ledger.rows("critical_arcs.at_levels", same, "as many arcs of each shell as contours")
 
 
-def check_simplified(case, ledger):
+def check_simplified(facts, ledger):
     """Graphs without pairs below the feature size, and everything above it still there."""
     shown, left_out = {}, {}
     for graph, measure in (("solid", "volume"), ("surface", "area")):
-        full, simple = case.graphs[graph], case.graphs[f"{graph}_simplified"]
+        full, simple = facts.graphs[graph], facts.graphs[f"{graph}_simplified"]
         name = f"{graph}_simplified"
         same = [full.nodes.get(node) == data for node, data in simple.nodes.items()]
         ledger.rows(f"{name}.nodes", same, f"nodes of the graph {graph}, with their attributes")
         if not all(same):
             continue
-        parts = _large_components(case, full)
+        parts = _large_components(facts, full)
         ledger.rows(f"{name}.components", [not part.isdisjoint(simple.nodes) for part in parts], "shown if large")
         large = set().union(*parts)
         ledger.rows(f"{name}.component", [node in large for node in simple.nodes], "in a component that is shown")
@@ -112,32 +112,32 @@ def check_simplified(case, ledger):
         )  # fmt: skip
         before, after = _graph_pairs(full, height), _graph_pairs(simple, height)
         span = lambda pair: height[pair[1]] - height[pair[0]]  # noqa: E731
-        small = [pair for kind in after for pair in kind if span(pair) < case.size]
+        small = [pair for kind in after for pair in kind if span(pair) < facts.size]
         ledger.enter(f"{name}: pairs below the feature size", len(small), 0)
-        large = [[pair for pair in kind if span(pair) >= case.size] for kind in before]
+        large = [[pair for pair in kind if span(pair) >= facts.size] for kind in before]
         if len(large[2]) == len(before[2]):  # gluing a loop may move other pairs
             ledger.enter(f"{name}: pairs of the feature size", after == large, True)
         if large == before and len(parts) == len(find_parts(full)):  # nothing to cancel
             ledger.enter(f"{name}: arcs", _ends(neighbours(simple)) == _ends(_without_passed(full, simple)), True)
         else:
             around = neighbours(full)
-            joined = [_joined(around, height, a, b, case.size) for a, b, *_ in simple.edges]
+            joined = [_joined(around, height, a, b, facts.size) for a, b, *_ in simple.edges]
             ledger.rows(f"{name}.ends", joined, "joined in the full graph, by a way not far beyond their heights")
         shown[graph], left_out[graph] = len(after[2]), len(find_parts(full)) - len(parts)
     if len(shown) == 2:
-        suppressed = case.loops_surface - shown["surface"]
-        case.simplified = {
+        suppressed = facts.loops_surface - shown["surface"]
+        facts.simplified = {
             "loops_surface": shown["surface"],
             "loops_solid": shown["solid"],
             "suppressed_loops": suppressed,
             "suppressed_shells": left_out["surface"],
             "suppressed_parts": left_out["solid"],
-            "nodes_surface": len(case.graphs["surface_simplified"].nodes),
-            "nodes_solid": len(case.graphs["solid_simplified"].nodes),
+            "nodes_surface": len(facts.graphs["surface_simplified"].nodes),
+            "nodes_solid": len(facts.graphs["solid_simplified"].nodes),
         }
-        loops = shown["surface"] + suppressed + case.hidden
-        holds = loops == case.genus and suppressed >= 0
-        ledger.enter("genus = simplified loops + suppressed + hidden", loops, case.genus, holds)
+        loops = shown["surface"] + suppressed + facts.hidden
+        holds = loops == facts.genus and suppressed >= 0
+        ledger.enter("genus = simplified loops + suppressed + hidden", loops, facts.genus, holds)
 
 
 def _ends(around):
@@ -169,18 +169,18 @@ def _joined(around, height, a, b, slack):
     return b in seen
 
 
-def _large_components(case, graph):
+def _large_components(facts, graph):
     """Sets of nodes of those components that are at least as high as the feature size.
 
     A node without edges stands for what lies between two levels; its height
     is its persistence.
     """
-    handles, large, around = case.columns.handles, [], neighbours(graph)
+    handles, large, around = facts.columns.handles, [], neighbours(graph)
     for part in find_parts(graph):
         heights = [graph.nodes[node]["height"] for node in part]
         lone = len(part) == 1 and not around[next(iter(part))]
         height = handles["persistence"][int(next(iter(part))[1:])] if lone else max(heights) - min(heights)
-        if height >= case.size:
+        if height >= facts.size:
             large.append(part)
     return large
 

@@ -1,7 +1,7 @@
 """Checks of form: tables as declared, ids and references that name rows, words that are known.
 
-Each takes the case (what is known of the model so far) and a ledger to enter
-its findings in; what it recomputes it leaves in the case for later checks.
+Each takes the :class:`facts.Facts` known so far and a ledger to enter its findings in;
+what it recomputes it leaves in the facts for later checks.
 """
 
 from types import SimpleNamespace
@@ -14,7 +14,7 @@ from ...table_checks import check_table
 from ..graphml import ReadGraph
 
 KEYS = {name: name[:-1] for name in ("shells", "levels", "contours", "pieces", "handles", "nodes", "edges")} | {
-    "critical_points": "critical", "critical_arcs": "arc",
+    "critical_points": "critical", "critical_arcs": "arc", "unfoldings": "unfolding",
 }  # fmt: skip
 # (table, column, the table that its numbers are rows of)
 REFERENCES = (
@@ -22,6 +22,7 @@ REFERENCES = (
     ("shells", "body", "shells"), ("shells", "parent", "shells"),
     ("contours", "level", "levels"), ("contours", "shell", "shells"), ("contours", "parent", "contours"),
     ("contours", "region", "nodes"), ("contours", "lower_vertex", "vertices"), ("contours", "upper_vertex", "vertices"),
+    ("unfoldings", "vertex", "vertices"), ("unfoldings", "first", "vertices"), ("unfoldings", "last", "vertices"),
     ("pieces", "shell", "shells"), ("pieces", "below", "contours"), ("pieces", "above", "contours"),
     ("pieces", "critical", "vertices"), ("pieces", "block", "pieces"),
     ("handles", "piece", "pieces"), ("handles", "block", "pieces"), ("handles", "vertex", "vertices"),
@@ -41,33 +42,33 @@ WORDS = (
 )  # fmt: skip
 
 
-def check_form(case, ledger):
+def check_form(facts, ledger):
     """Tables as declared, ids that count their rows, references to rows that exist."""
-    apart = {} if case.read_curves is None else {"contours": ("geometry",)}
-    given = ((name, case.tables.get(name), apart.get(name, ())) for name in MODEL_TABLES)
+    apart = {} if facts.read_curves is None else {"contours": ("geometry",)}
+    given = ((name, facts.tables.get(name), apart.get(name, ())) for name in MODEL_TABLES)
     faults = [fault for table in given for fault in _schema_fault(*table)]
     if faults:
         ledger.enter("tables_in_form", len(faults), 0, says=faults[0])
         return
-    case.columns = SimpleNamespace(**{name: _columns(case.tables[name]) for name in MODEL_TABLES})
-    size = {name: case.tables[name].num_rows for name in MODEL_TABLES}
+    facts.columns = SimpleNamespace(**{name: _columns(facts.tables[name]) for name in MODEL_TABLES})
+    size = {name: facts.tables[name].num_rows for name in MODEL_TABLES}
     for name, key in KEYS.items():
-        if not np.array_equal(getattr(case.columns, name)[key], np.arange(size[name])):
+        if not np.array_equal(getattr(facts.columns, name)[key], np.arange(size[name])):
             faults.append(f"Column {key} of table {name} does not count its rows from 0.")
     for name, column, target in REFERENCES:
-        values = _flat(getattr(case.columns, name)[column])
+        values = _flat(getattr(facts.columns, name)[column])
         if len(values) and not (0 <= values.min() and values.max() < size[target]):
             faults.append(f"Column {column} of table {name} names a row that table {target} does not have.")
     for name, column, words in WORDS:
-        odd = set(getattr(case.columns, name)[column]) - set(words)
+        odd = set(getattr(facts.columns, name)[column]) - set(words)
         if odd:
             faults.append(f"Column {column} of table {name} holds {sorted(map(str, odd))[0]!r}, which is no such word.")
     for name in MODEL_TABLES:
-        for column, values in getattr(case.columns, name).items():
+        for column, values in getattr(facts.columns, name).items():
             if isinstance(values, np.ndarray) and values.dtype.kind == "f" and not np.isfinite(values).all():
                 faults.append(f"Column {column} of table {name} holds a number that is not finite.")
     faults += [f"Table {name} is empty." for name in ("faces", "levels", "pieces") if not size[name]]
-    faults += _document_faults(case.tilt, case.graphs)
+    faults += _document_faults(facts.tilt, facts.graphs)
     ledger.enter("tables_in_form", len(faults), 0, says=faults[0] if faults else "")
 
 

@@ -1,7 +1,7 @@
 """Checks of the events: handles, their changes, their sides.
 
-Each takes the case (what is known of the model so far) and a ledger to enter
-its findings in; what it recomputes it leaves in the case for later checks.
+Each takes the :class:`facts.Facts` known so far and a ledger to enter its findings in;
+what it recomputes it leaves in the facts for later checks.
 """
 
 import numpy as np
@@ -13,9 +13,9 @@ from ..recount.sides import local_sides
 INDEX_OF_KIND = {"birth": 0, "death": 2, "join": 1, "split": 1}
 
 
-def check_handles(case, ledger):
+def check_handles(facts, ledger):
     """One handle per essential critical point, at its vertex, of the event that the contours show."""
-    t, pieces = case.columns.handles, case.columns.pieces
+    t, pieces = facts.columns.handles, facts.columns.pieces
     vertex, piece = t["vertex"], t["piece"]
     expected = sorted(rank for ranks in pieces["critical_ranks"] for rank in ranks)
     ledger.enter("handles.rank", t["rank"].tolist() == expected, True)
@@ -28,26 +28,28 @@ def check_handles(case, ledger):
     ledger.rows("handles.vertex", placed, "the critical point of its piece")
     ledger.rows(
         "handles.position",
-        np.all([column[vertex] == t[axis] for column, axis in zip(case.points, "xyz")], axis=0),
+        np.all([column[vertex] == t[axis] for column, axis in zip(facts.points, "xyz")], axis=0),
         "position of the vertex",
     )
-    ledger.rows("handles.height", t["height"] == case.surface.points[case.rank[vertex], 2], "height of the vertex")
-    for name, values in (("slab", case.slab), ("block", case.block)):
+    ledger.rows("handles.height", t["height"] == facts.surface.points[facts.rank[vertex], 2], "height of the vertex")
+    for name, values in (("slab", facts.slab), ("block", facts.block)):
         ledger.rows(f"handles.{name}", t[name] == values[piece], f"{name} of the piece")
-    ledger.rows("handles.index", t["index"] == case.surface.index[case.rank[vertex]], "sign changes around the vertex")
-    held = np.bincount(piece, minlength=len(case.kinds))
+    ledger.rows(
+        "handles.index", t["index"] == facts.surface.index[facts.rank[vertex]], "sign changes around the vertex"
+    )
+    held = np.bincount(piece, minlength=len(facts.kinds))
     wanted = np.array(
-        [_essentials(*ends) for ends in zip(*(e.tolist() for e in case.piece_ends), case.piece_genus.tolist())]
+        [_essentials(*ends) for ends in zip(*(e.tolist() for e in facts.piece_ends), facts.piece_genus.tolist())]
     )
     wanted = np.stack([np.bincount(piece[t["index"] == i], minlength=len(held)) for i in range(3)], axis=1) == wanted
     ledger.rows("pieces.handles", wanted.all(axis=1), "critical points by index that its shape needs")
-    _check_events(case, ledger, t, piece)
-    _check_persistence(case, ledger, t)
-    chains = np.array([_is_chain(case, b) for b in range(case.n_blocks)], bool)
-    case.chains = chains
-    case.block_resolved = np.array([len(h) <= 1 for h in case.handles_of_block], bool) | chains
-    for end, regions in (("below", case.block_above), ("above", case.block_below)):
-        members = [[] for _ in range(case.n_blocks)]
+    _check_events(facts, ledger, t, piece)
+    _check_persistence(facts, ledger, t)
+    chains = np.array([_is_chain(facts, b) for b in range(facts.n_blocks)], bool)
+    facts.chains = chains
+    facts.block_resolved = np.array([len(h) <= 1 for h in facts.handles_of_block], bool) | chains
+    for end, regions in (("below", facts.block_above), ("above", facts.block_below)):
+        members = [[] for _ in range(facts.n_blocks)]
         for region, b in enumerate(regions.tolist()):
             members[b].append(region)
         same = [a == members[b] for a, b in zip(t[f"regions_{end}"], t["block"].tolist())]
@@ -60,15 +62,15 @@ def _essentials(n_below, n_above, genus):
     return (n_below == 0, saddles, n_above == 0) if (n_below, n_above, genus) != (1, 1, 0) else (0, 0, 0)
 
 
-def _check_events(case, ledger, t, piece):
+def _check_events(facts, ledger, t, piece):
     """Changes, sides, operations, counts of contours of the elementary pieces."""
-    inner = np.asarray(case.columns.contours["inner"], bool)
-    pieces = case.columns.pieces
+    inner = np.asarray(facts.columns.contours["inner"], bool)
+    pieces = facts.columns.pieces
     changes = [_change(inner, a, b) for a, b in zip(pieces["below"], pieces["above"])]
-    resolved = case.elementary & np.array([c in EVENTS for c in changes], bool)
-    eventful = case.elementary & (case.kinds != "cylinder")
+    resolved = facts.elementary & np.array([c in EVENTS for c in changes], bool)
+    eventful = facts.elementary & (facts.kinds != "cylinder")
     ledger.rows("pieces.change", ~eventful | resolved, "one of the twelve events")
-    case.change = changes
+    facts.change = changes
     expected = [changes[p] if resolved[p] else None for p in piece.tolist()]
     ledger.rows("handles.change", [a == b for a, b in zip(t["change"], expected)], "signs of the contours of its piece")
     ledger.rows("handles.resolved", t["resolved"] == resolved[piece], "its piece is elementary")
@@ -84,7 +86,7 @@ def _check_events(case, ledger, t, piece):
         [b == (e is None or e[4] != 0) for b, e in zip(t["branches"], events)],
         "the number of regions changes",
     )
-    wanted = [INDEX_OF_KIND.get(case.kinds[p]) for p in piece.tolist()]
+    wanted = [INDEX_OF_KIND.get(facts.kinds[p]) for p in piece.tolist()]
     fits = [w is None or w == i for w, i in zip(wanted, t["index"].tolist())]
     ledger.rows("handles.index_of_kind", fits, "index by the contours below and above")
 
@@ -94,9 +96,9 @@ def _change(inner, below, above):
     return "->".join(",".join(end) for end in sides)
 
 
-def _check_persistence(case, ledger, t):
+def _check_persistence(facts, ledger, t):
     """Persistence and partner, against the exact graph, which was checked before."""
-    points = case.columns.critical_points
+    points = facts.columns.critical_points
     place = np.searchsorted(points["rank"], t["rank"])
     ledger.rows("handles.persistence", t["persistence"] == points["persistence"][place], "that of the critical point")
     handle = dict(zip(t["rank"].tolist(), t["handle"].tolist()))
@@ -106,32 +108,32 @@ def _check_persistence(case, ledger, t):
     ledger.rows("critical_points.handle", [a == b for a, b in zip(points["handle"], stated)], "the handle of that rank")
 
 
-def _is_chain(case, block):
+def _is_chain(facts, block):
     """Whether a block holds one region throughout and only events that leave it whole."""
-    handles = case.handles_of_block[block]
-    changes = [case.columns.handles["change"][h] for h in handles]
+    handles = facts.handles_of_block[block]
+    changes = [facts.columns.handles["change"][h] for h in handles]
     whole = all(c in EVENTS and EVENTS[c][4] == 0 for c in changes)
-    return bool(whole and (case.block_above == block).sum() == 1 == (case.block_below == block).sum())
+    return bool(whole and (facts.block_above == block).sum() == 1 == (facts.block_below == block).sum())
 
 
-def check_sides(case, ledger):
+def check_sides(facts, ledger):
     """Sides from the geometry around each critical point, against those of the events.
 
     Where a contour next to the critical point crosses itself, material has no
     side that both could agree on; such handles are counted, and the
     interpretation of the solid tells.
     """
-    t = case.columns.handles
-    places, place = np.unique(case.rank[t["vertex"]].astype(np.int64), return_inverse=True)
-    local = local_sides(case.surface, places)[place]
+    t = facts.columns.handles
+    places, place = np.unique(facts.rank[t["vertex"]].astype(np.int64), return_inverse=True)
+    local = local_sides(facts.surface, places)[place]
     agree = local == t["side"]
     tangled = np.zeros(len(local), bool)
     for handle in np.flatnonzero((local != "") & ~agree).tolist():
         bounding = t["contours_below"][handle] + t["contours_above"][handle]
-        tangled[handle] = not shapely.is_simple(case.curves.lines(bounding)).all()
+        tangled[handle] = not shapely.is_simple(facts.curves.lines(bounding)).all()
     decided = (local != "") & ~tangled
     differ = np.flatnonzero(decided & ~agree)
     says = f"Handle {differ[0]} is the first that differs." if len(differ) else ""
     ledger.enter("sides_by_local_geometry", [int(agree.sum()), len(differ)], [int(decided.sum()), 0], says=says)
-    case.open["sides that the geometry leaves open"] = (~decided).sum()
-    case.crossing |= bool(tangled.any())
+    facts.open["sides that the geometry leaves open"] = (~decided).sum()
+    facts.crossing |= bool(tangled.any())

@@ -1,7 +1,7 @@
 """Checks of what connects the levels: nodes, edges, arcs.
 
-Each takes the case (what is known of the model so far) and a ledger to enter
-its findings in; what it recomputes it leaves in the case for later checks.
+Each takes the :class:`facts.Facts` known so far and a ledger to enter its findings in;
+what it recomputes it leaves in the facts for later checks.
 """
 
 import numpy as np
@@ -11,83 +11,83 @@ from ..recount.graphs import GraphParts, find_arcs
 from ..recount.regions import build_polygons, find_regions, look_around, share
 
 
-def check_nodes(case, ledger):
+def check_nodes(facts, ledger):
     """One material point per region, inside it, at the height of its level."""
-    t, contours, found = case.columns.nodes, case.columns.contours, case.recount
+    t, contours, found = facts.columns.nodes, facts.columns.contours, facts.recount
     inner, region, n = np.asarray(contours["inner"], bool), contours["region"], len(t["node"])
     ledger.rows("nodes.region", t["region"] == t["node"], "the region's own number")
     outer_level = np.full(n, -1)
     outer_level[region] = contours["level"]
     ledger.rows("nodes.level", t["level"] == outer_level, "level of the region's contours")
-    ledger.rows("nodes.height", t["height"] == case.levels["height"][t["level"]], "height of the level")
+    ledger.rows("nodes.height", t["height"] == facts.levels["height"][t["level"]], "height of the level")
     ledger.rows("nodes.n_holes", t["n_holes"] == np.bincount(region[inner], minlength=n), "holes of the region")
     area = np.bincount(region, found.area, n)
     size = np.bincount(region, np.abs(found.area), n)
     edge = np.bincount(region, found.perimeter, n)
     ledger.rows(
         "nodes.area",
-        np.abs(t["area"] - area) <= 1e-9 * size + case.noise * (edge + case.noise),
+        np.abs(t["area"] - area) <= 1e-9 * size + facts.noise * (edge + facts.noise),
         "outer contour less holes",
     )
-    eventful = np.array([bool(h) for h in case.handles_of_block], bool)
+    eventful = np.array([bool(h) for h in facts.handles_of_block], bool)
     ledger.rows(
         "nodes.critical",
-        t["critical"] == (eventful[case.block_above] | eventful[case.block_below]),
+        t["critical"] == (eventful[facts.block_above] | eventful[facts.block_below]),
         "an event above or below",
     )
-    drawn = case.drawn_area, case.drawn_perimeter
-    case.regions = find_regions(case.curves, *drawn, found.area, region, inner, n)
-    case.open["regions that cross themselves"] = case.regions.broken.sum()
+    drawn = facts.drawn_area, facts.drawn_perimeter
+    facts.regions = find_regions(facts.curves, *drawn, found.area, region, inner, n)
+    facts.open["regions that cross themselves"] = facts.regions.broken.sum()
     outer = np.flatnonzero(~inner)
     body = np.full(n, -1)
-    body[region[outer]] = case.body[found.shell[outer]]
-    case.entangled |= _share_material(case, outer_level, body)
-    _check_material(case, ledger, t)
+    body[region[outer]] = facts.body[found.shell[outer]]
+    facts.entangled = _share_material(facts, outer_level, body)
+    _check_material(facts, ledger, t)
 
 
-def _share_material(case, level, body):
+def _share_material(facts, level, body):
     """Whether regions of different bodies overlap at some level, by more than rounding."""
     if len(np.unique(body)) < 2:
         return False
     runs = np.split(np.argsort(level, kind="stable"), np.cumsum(np.bincount(level))[:-1])
     for run in (run for run in runs if len(np.unique(body[run])) > 1):
-        polygons = build_polygons(case.regions, run)
+        polygons = build_polygons(facts.regions, run)
         one, two = shapely.STRtree(polygons).query(polygons, predicate="intersects")
         apart = (one < two) & (body[run[one]] != body[run[two]])
         one, two = polygons[one[apart]], polygons[two[apart]]
         shared = shapely.area(shapely.intersection(one, two))
-        rounding = case.noise * np.minimum(shapely.length(one), shapely.length(two))
+        rounding = facts.noise * np.minimum(shapely.length(one), shapely.length(two))
         if np.any(shared > 1e-9 * np.minimum(shapely.area(one), shapely.area(two)) + rounding):
             return True
     return False
 
 
-def _check_material(case, ledger, t):
-    points = np.stack([t[k] for k in "xyz"], axis=1) @ case.rotation.T
+def _check_material(facts, ledger, t):
+    points = np.stack([t[k] for k in "xyz"], axis=1) @ facts.rotation.T
     ledger.rows(
-        "nodes.position", np.abs(points[:, 2] - t["height"]) <= case.noise, "the point is in the plane of its level"
+        "nodes.position", np.abs(points[:, 2] - t["height"]) <= facts.noise, "the point is in the plane of its level"
     )
     # the outline is without holes that are mere points or lines
-    inside, clearance, edge = look_around(case.regions, points[:, :2])
-    ledger.rows("nodes.inside", inside | (clearance <= case.noise), "the point is inside its region")
+    inside, clearance, edge = look_around(facts.regions, points[:, :2])
+    ledger.rows("nodes.inside", inside | (clearance <= facts.noise), "the point is inside its region")
     radius = t["inscribed_radius"]
-    room = 1e-9 * clearance + case.noise
+    room = 1e-9 * clearance + facts.noise
     fits = [np.abs(radius - np.where(inside, d, 0.0)) <= room for d in (clearance, edge)]
     ledger.rows("nodes.inscribed_radius", fits[0] | fits[1], "distance of the point to the region's contours")
 
 
-def check_edges(case, ledger):
+def check_edges(facts, ledger):
     """The links are those of the blocks, and carry the similarities of their regions."""
-    t, level = case.columns.edges, case.columns.nodes["level"]
+    t, level = facts.columns.edges, facts.columns.nodes["level"]
     source, target = t["source"], t["target"]
-    below, above = ([[] for _ in range(case.n_blocks)] for _ in range(2))
-    for region, (low, high) in enumerate(zip(case.block_above.tolist(), case.block_below.tolist())):
+    below, above = ([[] for _ in range(facts.n_blocks)] for _ in range(2))
+    for region, (low, high) in enumerate(zip(facts.block_above.tolist(), facts.block_below.tolist())):
         below[low].append(region)
         above[high].append(region)
-    operation = case.columns.handles["operation"]
+    operation = facts.columns.handles["operation"]
     expected = {}
-    for lower, upper, handles, chain in zip(below, above, case.handles_of_block, case.chains):
-        first = next(iter(handles if chain else _largest(case, handles)), None)
+    for lower, upper, handles, chain in zip(below, above, facts.handles_of_block, facts.chains):
+        first = next(iter(handles if chain else _largest(facts, handles)), None)
         word = "continuation" if first is None else operation[first]
         expected |= {(a, b): (first, word) for a in lower for b in upper}
     stated = list(zip(source.tolist(), target.tolist()))
@@ -110,15 +110,15 @@ def check_edges(case, ledger):
         [expected.get(p, (0, w))[1] == w for p, w in zip(stated, t["operation"])],
         "operation of the handle",
     )
-    _check_similarity(case, ledger, t, source, target)
+    _check_similarity(facts, ledger, t, source, target)
 
 
-def _check_similarity(case, ledger, t, source, target):
-    area, length, broken = case.regions.area, case.regions.length, case.regions.broken
+def _check_similarity(facts, ledger, t, source, target):
+    area, length, broken = facts.regions.area, facts.regions.length, facts.regions.broken
     areas = {"area_source": area[source], "area_target": area[target]}
-    areas["area_intersection"] = share(case.regions, source, target)
+    areas["area_intersection"] = share(facts.regions, source, target)
     areas["area_union"] = areas["area_source"] + areas["area_target"] - areas["area_intersection"]
-    room = case.noise * (length[source] + length[target] + case.noise)
+    room = facts.noise * (length[source] + length[target] + facts.noise)
     mended = broken[source] | broken[target]
     for name, values in areas.items():
         # overlays of shapes that touch along a line may go either way by a sliver
@@ -127,21 +127,21 @@ def _check_similarity(case, ledger, t, source, target):
     union = t["area_union"]
     ratio = np.divide(t["area_intersection"], union, out=np.zeros(len(union)), where=union > 0)
     ledger.rows("edges.similarity", np.abs(t["similarity"] - ratio) <= 1e-12, "intersection over union")
-    case.similarity = t["similarity"]
+    facts.similarity = t["similarity"]
 
 
-def check_arcs(case, ledger):
+def check_arcs(facts, ledger):
     """Arcs are the maximal chains between joints, with their sums."""
-    t, handles = case.columns.arcs, case.columns.handles
-    case.parts = {"solid": _solid_parts(case), "surface": _surface_parts(case)}
-    levels = {"solid": case.columns.nodes["level"], "surface": case.columns.contours["level"]}
-    points = _path_points(case)
-    case.arcs = {}
+    t, handles = facts.columns.arcs, facts.columns.handles
+    facts.parts = {"solid": _solid_parts(facts), "surface": _surface_parts(facts)}
+    levels = {"solid": facts.columns.nodes["level"], "surface": facts.columns.contours["level"]}
+    points = _path_points(facts)
+    facts.arcs = {}
     for graph, measure, total, noise in (
-        ("solid", "volume", case.volume, case.volume_noise),
-        ("surface", "area", case.area, case.area_noise),
+        ("solid", "volume", facts.volume, facts.volume_noise),
+        ("surface", "area", facts.area, facts.area_noise),
     ):
-        parts = case.parts[graph]
+        parts = facts.parts[graph]
         expected, odd = find_arcs(parts, levels[graph])
         ledger.enter(f"arcs.{graph}.parts_that_no_arc_passes", len(odd), 0)
         rows = np.flatnonzero(t["graph"] == graph)
@@ -152,7 +152,7 @@ def check_arcs(case, ledger):
         ledger.rows(f"arcs.{graph}.chain", [key in expected for key in keys], "a maximal chain between two events")
         if not all(key in expected for key in keys):
             continue
-        case.arcs[graph] = dict(zip(rows.tolist(), keys))
+        facts.arcs[graph] = dict(zip(rows.tolist(), keys))
         values = np.array([np.nan if t[measure][r] is None else t[measure][r] for r in rows], float)
         wanted = np.array([expected[key] for key in keys])
         ledger.rows(
@@ -169,19 +169,19 @@ def check_arcs(case, ledger):
         source, target = ([key[k] for key in keys] for k in (0, 1))
         ledger.rows(f"arcs.{graph}.lower", t["lower"][rows] == handles["height"][source], "height of the lower event")
         ledger.rows(f"arcs.{graph}.upper", t["upper"][rows] == handles["height"][target], "height of the upper event")
-        length = [_length(case, key, points[graph]) for key in keys]
+        length = [_length(facts, key, points[graph]) for key in keys]
         ledger.rows(
             f"arcs.{graph}.length",
-            np.abs(t["length"][rows] - length) <= 1e-9 * np.array(length) + case.noise,
+            np.abs(t["length"][rows] - length) <= 1e-9 * np.array(length) + facts.noise,
             "length of the path along its points",
         )
-    _check_arc_similarity(case, ledger, t)
-    if len(case.arcs) == 2:
-        _check_bounds(case, ledger, t)
+    _check_arc_similarity(facts, ledger, t)
+    if len(facts.arcs) == 2:
+        _check_bounds(facts, ledger, t)
 
 
-def _check_arc_similarity(case, ledger, t):
-    edges = case.columns.edges
+def _check_arc_similarity(facts, ledger, t):
+    edges = facts.columns.edges
     pairs = dict(zip(zip(edges["source"].tolist(), edges["target"].tolist()), edges["similarity"].tolist()))
     holds = []
     for graph, nodes, stated in zip(t["graph"], t["nodes"], t["similarity_min"]):
@@ -190,78 +190,78 @@ def _check_arc_similarity(case, ledger, t):
     ledger.rows("arcs.similarity_min", holds, "smallest similarity of its edges")
 
 
-def _check_bounds(case, ledger, t):
+def _check_bounds(facts, ledger, t):
     """Which surface arcs bound which arc of the solid, and that each bounds an unbroken path of them."""
-    inner, region = case.columns.contours["inner"], case.columns.contours["region"]
+    inner, region = facts.columns.contours["inner"], facts.columns.contours["region"]
     wall = np.full(len(inner), -1)  # of each contour its surface arc
-    for row, key in case.arcs["surface"].items():
+    for row, key in facts.arcs["surface"].items():
         wall[list(key[2])] = t["arc"][row]
-    walls = [set() for _ in case.columns.nodes["node"]]
+    walls = [set() for _ in facts.columns.nodes["node"]]
     for contour, place in enumerate(region.tolist()):
         walls[place].add(int(wall[contour]))
-    passing = _walls_in_chains(case, wall, walls)
-    hole = {int(t["arc"][row]): bool(inner[key[2][0]]) for row, key in case.arcs["surface"].items()}
+    passing = _walls_in_chains(facts, wall, walls)
+    hole = {int(t["arc"][row]): bool(inner[key[2][0]]) for row, key in facts.arcs["surface"].items()}
     paths, holds = {arc: [] for arc in hole}, []
-    for row, key in case.arcs["solid"].items():
+    for row, key in facts.arcs["solid"].items():
         expected = set().union(*(walls[node] for node in key[2])) if key[2] else passing.get(key[:2], set())
         outer, holes = ([k for k in sorted(expected) if hole[k] == kind] for kind in (False, True))
         holds.append(t["bounds"][row] == outer + holes and len(outer) == 1)
         for arc in expected:
             paths[arc].append((int(t["arc"][row]), key))
     ledger.rows("arcs.solid.bounds", holds, "the surface arcs around its regions, one of them outer")
-    stated = [t["bounds"][row] == [arc for arc, _ in paths[int(t["arc"][row])]] for row in case.arcs["surface"]]
+    stated = [t["bounds"][row] == [arc for arc, _ in paths[int(t["arc"][row])]] for row in facts.arcs["surface"]]
     ledger.rows("arcs.surface.bounds", stated, "the solid arcs whose regions its contours bound, upward")
-    node = _node_of_handle(case)
+    node = _node_of_handle(facts)
     whole = []
-    for row, key in case.arcs["surface"].items():
+    for row, key in facts.arcs["surface"].items():
         steps = [(node[key[0]],) * 2, *(step[:2] for _, step in paths[int(t["arc"][row])]), (node[key[1]],) * 2]
         whole.append(all(low[1] == high[0] for low, high in zip(steps[:-1], steps[1:])))
     ledger.rows("arcs.surface.bounds_a_path", whole, "a path in the solid's graph between the arc's own two events")
 
 
-def _walls_in_chains(case, wall, walls):
+def _walls_in_chains(facts, wall, walls):
     """Surface arcs around the solid between consecutive events of a chain: {(handle, handle): set}.
 
     From the region below the chain upward, each event takes away the surface
     arcs below it and brings those above it.
     """
     passing = {}
-    for block in np.flatnonzero(case.chains).tolist():
-        current = walls[int(np.flatnonzero(case.block_above == block)[0])]
-        handles = case.handles_of_block[block]
+    for block in np.flatnonzero(facts.chains).tolist():
+        current = walls[int(np.flatnonzero(facts.block_above == block)[0])]
+        handles = facts.handles_of_block[block]
         for handle, following in zip(handles[:-1], handles[1:]):
-            ends = (case.columns.handles[f"contours_{end}"][handle] for end in ("below", "above"))
+            ends = (facts.columns.handles[f"contours_{end}"][handle] for end in ("below", "above"))
             gone, come = (set(wall[contours].tolist()) for contours in ends)
             current = (current - gone) | come
             passing[handle, following] = current
     return passing
 
 
-def _node_of_handle(case):
+def _node_of_handle(facts):
     """The node of the solid's graph that stands for each handle: a list of handles."""
-    blocks = enumerate(case.columns.handles["block"].tolist())
-    of_block = case.handles_of_block
-    return [handle if case.chains[block] else _largest(case, of_block[block])[0] for handle, block in blocks]
+    blocks = enumerate(facts.columns.handles["block"].tolist())
+    of_block = facts.handles_of_block
+    return [handle if facts.chains[block] else _largest(facts, of_block[block])[0] for handle, block in blocks]
 
 
-def _largest(case, handles):
+def _largest(facts, handles):
     """Of some handles the one that names their node: of the largest persistence, the lowest of those."""
-    persistence = case.columns.handles["persistence"]
+    persistence = facts.columns.handles["persistence"]
     return [min(handles, key=lambda h: (-persistence[h], h))] if handles else []
 
 
-def _solid_parts(case):
-    joints = [h if chain else _largest(case, h) for h, chain in zip(case.handles_of_block, case.chains)]
-    measure = np.bincount(case.block, case.piece_flux, case.n_blocks)
-    return GraphParts(case.block_above, case.block_below, joints, measure)
+def _solid_parts(facts):
+    joints = [h if chain else _largest(facts, h) for h, chain in zip(facts.handles_of_block, facts.chains)]
+    measure = np.bincount(facts.block, facts.piece_flux, facts.n_blocks)
+    return GraphParts(facts.block_above, facts.block_below, joints, measure)
 
 
-def _surface_parts(case):
-    handles = [[] for _ in case.kinds]
-    for handle, piece in enumerate(case.columns.handles["piece"].tolist()):
+def _surface_parts(facts):
+    handles = [[] for _ in facts.kinds]
+    for handle, piece in enumerate(facts.columns.handles["piece"].tolist()):
         handles[piece].append(handle)
-    joints = [_largest(case, members) for members in handles]
-    return GraphParts(case.above, case.below, joints, case.piece_area)
+    joints = [_largest(facts, members) for members in handles]
+    return GraphParts(facts.above, facts.below, joints, facts.piece_area)
 
 
 def _lone_parts(parts):
@@ -270,14 +270,14 @@ def _lone_parts(parts):
     return [p for p, joints in enumerate(parts.joints) if len(joints) == 1 and not touched[p]]
 
 
-def _path_points(case):
-    nodes, contours = case.columns.nodes, case.columns.contours
-    centres = np.column_stack([case.centres, contours["height"]]) @ case.rotation
+def _path_points(facts):
+    nodes, contours = facts.columns.nodes, facts.columns.contours
+    centres = np.column_stack([facts.centres, contours["height"]]) @ facts.rotation
     return {"solid": np.stack([nodes[k] for k in "xyz"], axis=1), "surface": centres}
 
 
-def _length(case, key, points):
+def _length(facts, key, points):
     source, target, items = key
-    ends = np.stack([column[case.columns.handles["vertex"][[source, target]]] for column in case.points], axis=-1)
+    ends = np.stack([column[facts.columns.handles["vertex"][[source, target]]] for column in facts.points], axis=-1)
     path = np.concatenate([ends[:1], points[list(items)].reshape(-1, 3), ends[1:]])
     return float(np.linalg.norm(np.diff(path, axis=0), axis=1).sum())

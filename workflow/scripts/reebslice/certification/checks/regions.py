@@ -1,7 +1,7 @@
 """Checks of holes, regions and the blocks of the solid between levels.
 
-Each takes the case (what is known of the model so far) and a ledger to enter
-its findings in; what it recomputes it leaves in the case for later checks.
+Each takes the :class:`facts.Facts` known so far and a ledger to enter its findings in;
+what it recomputes it leaves in the facts for later checks.
 """
 
 import numpy as np
@@ -11,62 +11,66 @@ from ..recount.components import find_components
 from ..recount.crossings import cross
 from ..recount.graphs import find_blocks
 from ..recount.holes import ContourNesting, find_hosts, find_parents
-from ..recount.rays import first_face_along_x
+from ..recount.rays import meet_faces
 
 
-def check_holes(case, ledger):
+def check_holes(facts, ledger):
     """Which contours are holes, and whose."""
-    t, found = case.columns.contours, case.recount
+    t, found = facts.columns.contours, facts.recount
     inner = np.asarray(t["inner"], bool)
-    slack = case.noise * (found.perimeter + case.noise)
+    slack = facts.noise * (found.perimeter + facts.noise)
     certain = np.abs(found.area) > slack
     ledger.rows("contours.inner", ~certain | (inner == (found.area < 0)), "a hole is a contour of negative area")
-    _check_chains(case, ledger, inner, certain)
-    body = case.body[found.shell]
+    facts.crossing = _check_chains(facts, ledger, inner, certain)
+    body = facts.body[found.shell]
     nest = ContourNesting(
-        case.curves, case.boxes, found.area, slack, t["level"].astype(np.int64), case.noise, case.exact
+        facts.curves, facts.boxes, found.area, slack, t["level"].astype(np.int64), facts.noise, facts.exact
     )
     host, is_open = find_hosts(nest, inner, body)
-    _check_regions(case, ledger, inner, host)
-    case.open["holes between two regions"] = is_open.sum()
-    case.open_holes = is_open
-    parent, unsure = find_parents(nest)
+    _check_regions(facts, ledger, inner, host)
+    facts.open["holes between two regions"] = is_open.sum()
+    facts.open_holes = is_open
+    parent, unsure = find_parents(nest, found.shell)
     stated = np.array([-1 if p is None else p for p in t["parent"]], np.int64)
     ledger.rows("contours.parent", unsure | (stated == parent), "the smallest contour around it")
-    case.open["contours of unsure parent"] = (unsure & (stated != parent)).sum()
-    _find_entangled(case, inner, body, stated)
+    facts.open["contours of unsure parent"] = (unsure & (stated != parent)).sum()
+    lonely = inner & (parent < 0) & ~unsure
+    around = np.where(stated >= 0, stated, np.arange(len(stated)))
+    nested = ~inner & ~inner[around] & (around != np.arange(len(stated))) & (body == body[around])
+    facts.crossing |= bool((nested | lonely | is_open).any()) or nest.crosses_itself(body)
 
 
-def _check_chains(case, ledger, inner, certain):
-    """Along a chain of cylinders all contours are holes or none is.
+def _check_chains(facts, ledger, inner, certain):
+    """Along a chain of cylinders all contours are holes or none is; return whether some chain turns over.
 
     Where no contour of a chain has an area beyond rounding, that of its
     shortest one is found in exact numbers.
     """
-    chain = _cylinder_chains(case, len(inner))
+    area, n_points = facts.recount.area, facts.recount.n_points
+    chain = _cylinder_chains(facts, len(inner))
     first = np.zeros(chain.max(initial=-1) + 1, bool)
     first[chain] = inner
     ledger.rows("contours.inner_along_cylinders", inner == first[chain], "the same along a chain of cylinders")
-    order = np.lexsort((-case.recount.n_points, chain))
+    order = np.lexsort((-n_points, chain))
     shortest = order[np.flatnonzero(np.diff(chain[order], append=-1))]
-    known = np.zeros(len(first), bool)
-    known[chain[certain]] = True
-    small = shortest[~known[chain[shortest]]].tolist()
-    areas = [case.exact.area(contour) for contour in small]
+    positive, negative = (np.bincount(chain[certain & (sign * area > 0)], minlength=len(first)) > 0 for sign in (1, -1))
+    small = shortest[~(positive | negative)[chain[shortest]]].tolist()
+    areas = [facts.exact.area(contour) for contour in small]
     signs = [area != 0 and (area < 0) == inner[contour] for area, contour in zip(areas, small)]
     ledger.rows("contours.inner_below_rounding", signs, "sign of the exact area")
+    return bool((positive & negative).any())
 
 
-def _cylinder_chains(case, n_contours):
-    cylinder = (case.kinds == "cylinder")[case.above], (case.kinds == "cylinder")[case.below]
-    low = np.full(len(case.kinds), -1)
-    low[case.above[cylinder[0]]] = np.flatnonzero(cylinder[0])
+def _cylinder_chains(facts, n_contours):
+    cylinder = (facts.kinds == "cylinder")[facts.above], (facts.kinds == "cylinder")[facts.below]
+    low = np.full(len(facts.kinds), -1)
+    low[facts.above[cylinder[0]]] = np.flatnonzero(cylinder[0])
     high = np.flatnonzero(cylinder[1])
-    return find_components(low[case.below[high]], high, n_contours)[1]
+    return find_components(low[facts.below[high]], high, n_contours)[1]
 
 
-def _check_regions(case, ledger, inner, host):
-    t, nodes = case.columns.contours, case.columns.nodes
+def _check_regions(facts, ledger, inner, host):
+    t, nodes = facts.columns.contours, facts.columns.nodes
     region = t["region"]
     outer = np.flatnonzero(~inner)
     ledger.enter("regions_with_one_outer_contour", bool(np.array_equal(np.sort(region[outer]), nodes["region"])), True)
@@ -76,21 +80,13 @@ def _check_regions(case, ledger, inner, host):
     ledger.rows("contours.region", region == expected, "the smallest outer contour of the same body around the hole")
 
 
-def _find_entangled(case, inner, body, parent):
-    """Whether material lies within that of another body, or of its own, at some level."""
-    around = np.where(parent >= 0, parent, np.arange(len(parent)))
-    nested = ~inner & ~inner[around] & (around != np.arange(len(parent)))
-    case.entangled = bool((nested & (body != body[around])).any())
-    case.crossing = bool((nested & (body == body[around])).any() or case.open_holes.any())
-
-
-def check_blocks(case, ledger):
+def check_blocks(facts, ledger):
     """Components of the solid in each slab."""
-    t, contours, found = case.columns.pieces, case.columns.contours, case.recount
-    hosts, lost = _host_voids(case)
+    t, contours, found = facts.columns.pieces, facts.columns.contours, facts.recount
+    hosts, lost = _host_voids(facts)
     ledger.enter("voids_within_a_slab_without_a_host", lost, 0)
-    n_regions = len(case.columns.nodes["node"])
-    args = case.above, case.below, contours["region"].astype(np.int64), len(t["piece"]), n_regions
+    n_regions = len(facts.columns.nodes["node"])
+    args = facts.above, facts.below, contours["region"].astype(np.int64), len(t["piece"]), n_regions
     block, above, below, n = find_blocks(*args, hosts)
     stated = t["block"].astype(np.int64)
     pairs = np.unique(np.stack([block, stated]), axis=1).shape[1]
@@ -100,80 +96,83 @@ def check_blocks(case, ledger):
     rename = np.empty(n, np.int64)
     rename[block] = stated  # blocks by the numbers of the table
     top = int(stated.max()) + 1
-    case.block, case.block_above, case.block_below, case.n_blocks = stated, rename[above], rename[below], top
-    case.used = np.bincount(stated, minlength=top) > 0
-    case.handles_of_block = [[] for _ in range(top)]
-    for handle, b in enumerate(case.columns.handles["block"].tolist()):
+    facts.block, facts.block_above, facts.block_below, facts.n_blocks = stated, rename[above], rename[below], top
+    facts.handles_of_block = [[] for _ in range(top)]
+    for handle, b in enumerate(facts.columns.handles["block"].tolist()):
         if b >= top:
             raise ValueError(f"handle {handle} names block {b}, of which no piece is part")
-        case.handles_of_block[b].append(handle)
-    _check_open_holes(case, ledger, found)
+        facts.handles_of_block[b].append(handle)
+    _check_open_holes(facts, ledger, found)
 
 
-def _host_voids(case):
+def _host_voids(facts):
     """For each void within one slab a piece around it, met by a ray along +x; and how many have none."""
-    closed = np.flatnonzero((case.kinds == "unseen") & case.void[case.piece_shell])
-    hosts, lost = {}, 0
+    closed = np.flatnonzero((facts.kinds == "unseen") & facts.void[facts.piece_shell])
+    hosts = {}
     if not len(closed):
-        return hosts, lost
-    heights = case.surface.points[case.surface.corners, 2]
-    low, high, body = heights.min(axis=1), heights.max(axis=1), case.body[case.surface.shell]
+        return hosts, 0
+    heights = facts.surface.points[facts.surface.corners, 2]
+    low, high, body = heights.min(axis=1), heights.max(axis=1), facts.body[facts.surface.shell]
     for piece in closed.tolist():
-        shell = case.piece_shell[piece]
-        own = case.surface.points[case.rank[case.shell_of_vertex == shell]]
+        shell = facts.piece_shell[piece]
+        own = facts.surface.points[facts.rank[facts.shell_of_vertex == shell]]
         start, span = own[np.argmax(own[:, 0])], np.ptp(own, axis=0)
-        z = start[2] + 1e-7 * 0.618 * span[2] * (1 if start[2] < own[:, 2].mean() else -1)
-        other = (case.surface.shell != shell) & (body == case.body[shell])
-        others = np.flatnonzero(other & (low <= z) & (z <= high))
-        corners = case.surface.points[case.surface.corners[others]]
-        hit = first_face_along_x(corners, start[0], start[1] + 1e-7 * 0.414 * span[1], z)
-        if hit < 0:
-            lost += 1
-            continue
-        hosts[piece] = _piece_of(case, others[hit], case.slab[piece])
-    return hosts, lost
+        # a little off, so that the ray runs along no mesh edge, and toward the middle of the shell
+        start = start + 1e-7 * span * [0.0, 0.414, 0.618 if start[2] < own[:, 2].mean() else -0.618]
+        other = (facts.surface.shell != shell) & (body == facts.body[shell])
+        others = np.flatnonzero(other & (low <= start[2]) & (start[2] <= high))
+        _, face, ahead = meet_faces(facts.surface.points[facts.surface.corners[others]], start[None])
+        if (ahead > 0).any():
+            first = face[np.argmin(np.where(ahead > 0, ahead, np.inf))]
+            hosts[piece] = _piece_of(facts, others[first], facts.slab[piece])
+    return hosts, len(closed) - len(hosts)
 
 
-def _piece_of(case, face, slab):
+def _piece_of(facts, face, slab):
     """The piece that a face (of the ranked surface) belongs to in a slab that it meets."""
-    corners = case.surface.origin[case.surface.corners[face]]
-    split = np.flatnonzero(np.isin(case.split.origin[case.split.corners], corners).all(axis=1))
-    for side in np.unique(case.split_sides.of_face[split]).tolist():
-        for end in (case.split_sides.lower[side], case.split_sides.upper[side]):
-            piece = case.piece[case.recount.piece_of_vertex[end]]
-            if case.slab[piece] == slab:
+    corners = facts.surface.origin[facts.surface.corners[face]]
+    split = np.flatnonzero(np.isin(facts.split.origin[facts.split.corners], corners).all(axis=1))
+    for side in np.unique(facts.split_sides.of_face[split]).tolist():
+        for end in (facts.split_sides.lower[side], facts.split_sides.upper[side]):
+            piece = facts.piece[facts.recount.piece_of_vertex[end]]
+            if facts.slab[piece] == slab:
                 return int(piece)
         # a mesh edge that enters or leaves by a contour of this slab
         for contour, ends, level in (
-            (case.recount.enters[side], case.above, slab),
-            (case.recount.leaves[side], case.below, slab + 1),
+            (facts.recount.enters[side], facts.above, slab),
+            (facts.recount.leaves[side], facts.below, slab + 1),
         ):
-            if contour >= 0 and case.columns.contours["level"][contour] == level:
+            if contour >= 0 and facts.columns.contours["level"][contour] == level:
                 return int(ends[contour])
-    return _piece_of_crossed(case, face, slab)
+    return _piece_of_crossed(facts, face, slab)
 
 
-def _piece_of_crossed(case, face, slab):
+def _piece_of_crossed(facts, face, slab):
     """As :func:`_piece_of` for a face that passes through the slab: its curve at the level below."""
-    level = case.columns.contours["level"]
-    low, high = case.surface.corners[face][[0, 2]]
+    level = facts.columns.contours["level"]
+    low, high = facts.surface.corners[face][[0, 2]]
     spot = cross(
-        case.surface, np.array([low]), np.array([high]), *(case.levels[k][[slab]] for k in ("height", "tie_x", "tie_y"))
+        facts.surface,
+        np.array([low]),
+        np.array([high]),
+        *(facts.levels[k][[slab]] for k in ("height", "tie_x", "tie_y")),
     )
-    here = np.flatnonzero((level == slab) & (case.recount.shell == case.surface.shell[face]))
-    return int(case.above[here[np.argmin(shapely.distance(case.curves.lines(here), shapely.points(spot)[0]))]])
+    here = np.flatnonzero((level == slab) & (facts.recount.shell == facts.surface.shell[face]))
+    return int(facts.above[here[np.argmin(shapely.distance(facts.curves.lines(here), shapely.points(spot)[0]))]])
 
 
-def _check_open_holes(case, ledger, found):
+def _check_open_holes(facts, ledger, found):
     """Holes between two regions are no matter unless regions that they touch lie in different blocks."""
-    contours = case.columns.contours
+    contours = facts.columns.contours
     alternatives = 0
-    for hole in np.flatnonzero(case.open_holes).tolist():
-        same = (contours["level"] == contours["level"][hole]) & (case.body[found.shell] == case.body[found.shell[hole]])
+    for hole in np.flatnonzero(facts.open_holes).tolist():
+        same = (contours["level"] == contours["level"][hole]) & (
+            facts.body[found.shell] == facts.body[found.shell[hole]]
+        )
         outers = np.flatnonzero(same & ~np.asarray(contours["inner"], bool))
-        curve, *around = case.curves.lines([hole, *outers])
-        outers = [c for c, ring in zip(outers.tolist(), around) if _distance(ring, curve) <= case.noise]
-        blocks = {(int(case.block_above[r]), int(case.block_below[r])) for r in contours["region"][outers].tolist()}
+        curve, *around = facts.curves.lines([hole, *outers])
+        outers = [c for c, ring in zip(outers.tolist(), around) if _distance(ring, curve) <= facts.noise]
+        blocks = {(int(facts.block_above[r]), int(facts.block_below[r])) for r in contours["region"][outers].tolist()}
         alternatives += len(blocks) > 1
     ledger.enter("holes_that_rounding_leaves_open", alternatives, 0)
 

@@ -1,7 +1,7 @@
 """Checks of the slices: levels, contours and their curves, pieces.
 
-Each takes the case (what is known of the model so far) and a ledger to enter
-its findings in; what it recomputes it leaves in the case for later checks.
+Each takes the :class:`facts.Facts` known so far and a ledger to enter its findings in;
+what it recomputes it leaves in the facts for later checks.
 """
 
 import numpy as np
@@ -12,62 +12,55 @@ from ..recount.cut_surface import count_below, recount
 from ..recount.elders import essential_points
 from ..recount.exact_levels import ExactLevels
 from ..recount.surface import copies, find_mesh_edges
-from ..recount.unfoldings import unfold
+from ..recount.unfoldings import Witness, find_folded, list_copies, unfold
 
 ELEMENTARY = {(1, 1): "cylinder", (0, 1): "birth", (1, 0): "death", (2, 1): "join", (1, 2): "split"}
 
 
-def check_levels(case, ledger):
+def check_levels(facts, ledger):
     """Levels ascend, and their counts of vertices below are those of their cuts."""
-    t = case.columns.levels
+    t = facts.columns.levels
     height, below = t["height"], t["vertices_below"].astype(np.int64)
     tie_x = np.array([np.nan if v is None else v for v in t["tie_x"]], float)
     tie_y = np.array([np.nan if v is None else v for v in t["tie_y"]], float)
-    total = int(case.surface.weight[-1])
+    total = int(facts.surface.weight[-1])
     ascending = bool((np.diff(height) >= 0).all() and (np.diff(below) >= 0).all())
     ledger.enter("levels_ascend", ascending, True)
-    low, high = count_below(case.surface, height, tie_x, tie_y)
+    low, high = count_below(facts.surface, height, tie_x, tie_y)
     inside = (low <= below) & (below <= high) & (below < total) & (np.isnan(tie_x) == np.isnan(tie_y))
     ledger.rows("levels.vertices_below", inside, "vertices that are not above the level")
-    counted = np.bincount(case.columns.contours["level"], minlength=len(height))
+    counted = np.bincount(facts.columns.contours["level"], minlength=len(height))
     ledger.rows("levels.n_contours", t["n_contours"] == counted, "rows of contours")
-    regions = np.bincount(case.columns.nodes["level"], minlength=len(height))
+    regions = np.bincount(facts.columns.nodes["level"], minlength=len(height))
     ledger.rows("levels.n_regions", t["n_regions"] == regions, "rows of nodes")
-    _check_uniform(case, ledger, height, np.isnan(tie_x))
-    case.levels = {"height": height, "below": below, "tie_x": tie_x, "tie_y": tie_y}
+    _check_uniform(facts, ledger, height, np.isnan(tie_x))
+    facts.levels = {"height": height, "below": below, "tie_x": tie_x, "tie_y": tie_y}
 
 
-def _check_uniform(case, ledger, height, plain):
+def _check_uniform(facts, ledger, height, plain):
     """The levels that are called uniform, and no others, are equispaced over the heights of the surface."""
-    uniform, z = np.flatnonzero(case.columns.levels["why"] == "uniform"), case.surface.points[:, 2]
+    uniform, z = np.flatnonzero(facts.columns.levels["why"] == "uniform"), facts.surface.points[:, 2]
     n = len(uniform)
     places = z[0] + (z[-1] - z[0]) * (np.arange(n) + 0.5) / max(n, 1)
-    holds = plain[uniform] & (np.abs(height[uniform] - places) <= case.noise)
+    holds = plain[uniform] & (np.abs(height[uniform] - places) <= facts.noise)
     ledger.rows("levels.why", holds if n else [False], "equispaced, half a step inside both ends")
 
 
-def check_contours(case, ledger):
+def check_contours(facts, ledger):
     """One contour per component of crossings, no more and no fewer."""
-    t = case.columns.contours
-    case.curves, drawn = case.read_curves or read_curves(t["geometry"].chunks)
+    t = facts.columns.contours
+    facts.curves, drawn = facts.read_curves or read_curves(t["geometry"].chunks)
     drawn = drawn if len(drawn) == len(t["contour"]) else np.zeros(len(t["contour"]), bool)
     ledger.rows("contours.geometry", drawn, "a closed line string in the plane")
     if not drawn.all():
         return
-    ends = np.stack([case.rank[t["lower_vertex"]], case.rank[t["upper_vertex"]]], axis=1)
-
-    def rings_at(level):
-        here = np.flatnonzero(t["level"] == level)
-        return case.curves.lines(here), [tuple(pair) for pair in ends[here].tolist()]
-
-    split, below, odd = unfold(case.surface, case.sides, case.levels["below"], rings_at, case.noise)
-    ledger.enter("saddles_that_no_unfolding_fits", len(odd), 0)
-    case.split, case.split_sides = split, case.sides if split is case.surface else find_mesh_edges(split)
+    split, below = _unfold(facts, ledger)
+    facts.split, facts.split_sides = split, facts.sides if split is facts.surface else find_mesh_edges(split)
     anchors = {"level": t["level"].astype(np.int64)}
     anchors |= {end: t[f"{end}_vertex"].astype(np.int64) for end in ("lower", "upper")}
-    doubled = copies(case.surface)[case.rank[split.origin]] - 1
-    case.recount = found = recount(split, case.split_sides, case.levels | {"below": below}, anchors, doubled)
-    case.exact = ExactLevels(split, case.split_sides, below, t["level"], found.side)
+    doubled = copies(split).astype(np.int64) - 1
+    facts.recount = found = recount(split, facts.split_sides, facts.levels | {"below": below}, anchors, doubled)
+    facts.exact = ExactLevels(split, facts.split_sides, below, t["level"], found.side)
     ledger.rows("contours.anchors", found.anchored, "one contour of the mesh per row")
     counted = np.bincount(t["level"], minlength=len(below))
     ledger.rows("contours_per_level", found.n_contours == counted, "components of crossings")
@@ -75,43 +68,57 @@ def check_contours(case, ledger):
     ledger.rows("contours.n_points", np.abs(t["n_points"] - found.n_points) <= found.loose, "mesh edges crossed")
 
 
-def check_curves(case, ledger):
+def _unfold(facts, ledger):
+    """The surface with the saddles split between whose copies a level runs, and its vertices below each level."""
+    t, surface, below = facts.columns.unfoldings, facts.surface, facts.levels["below"]
+    folded = find_folded(surface, below)
+    vertex, ranks = list_copies(surface, folded)
+    witness = Witness(*(facts.rank[t[column]] for column in Witness._fields))
+    for column, values in (("rank", ranks), ("vertex", surface.origin[vertex])):
+        ledger.enter(f"unfoldings.{column}", np.array_equal(t[column], values), True)
+    split, below, odd = unfold(surface, below, folded, witness)
+    says = "Wedges of the vertex's link, each taken once, at which the surface does not cross itself."
+    ledger.enter("saddles_that_no_unfolding_fits", len(odd), 0, says=says if odd else "")
+    return split, below
+
+
+def check_curves(facts, ledger):
     """Curves, areas and perimeters are those of the mesh at the level."""
-    t, found = case.columns.contours, case.recount
-    ledger.rows("contours.height", t["height"] == case.levels["height"][t["level"]], "height of the level")
-    area, perimeter, case.centres, case.boxes = measure_curves(*case.curves)
-    case.drawn_area, case.drawn_perimeter = area, perimeter
-    slack = case.noise * (found.perimeter + case.noise)
+    t, found = facts.columns.contours, facts.recount
+    ledger.rows("contours.height", t["height"] == facts.levels["height"][t["level"]], "height of the level")
+    area, perimeter, facts.centres, facts.boxes = measure_curves(*facts.curves)
+    facts.drawn_area, facts.drawn_perimeter = area, perimeter
+    slack = facts.noise * (found.perimeter + facts.noise)
     for name, values, mesh in (("signed_area", area, found.area), ("perimeter", perimeter, found.perimeter)):
-        room = slack + 1e-9 * np.abs(mesh) if name == "signed_area" else 1e-9 * mesh + case.noise * found.n_points
+        room = slack + 1e-9 * np.abs(mesh) if name == "signed_area" else 1e-9 * mesh + facts.noise * found.n_points
         ledger.rows(f"contours.{name}", np.abs(t[name] - mesh) <= room, f"{name} counted on the mesh")
         ledger.rows(f"contours.geometry.{name}", np.abs(values - mesh) <= room, f"{name} of the curve")
-    _check_positions(case, ledger, t)
-    _check_gaps(case, ledger)
+    _check_positions(facts, ledger, t)
+    _check_gaps(facts, ledger)
 
 
-def _check_gaps(case, ledger):
+def _check_gaps(facts, ledger):
     """Levels lie at most the wanted distance apart."""
-    if case.distance is None:
+    if facts.distance is None:
         return
-    z = case.surface.points[:, 2]
-    gaps = np.diff(np.concatenate([[z[0]], case.levels["height"], [z[-1]]]))
-    holds = gaps.max() <= case.distance * (1 + 1e-9) + case.noise
-    ledger.enter("largest_gap_between_levels", gaps.max(), f"at most {case.distance:.9g}", holds)
+    z = facts.surface.points[:, 2]
+    gaps = np.diff(np.concatenate([[z[0]], facts.levels["height"], [z[-1]]]))
+    holds = gaps.max() <= facts.distance * (1 + 1e-9) + facts.noise
+    ledger.enter("largest_gap_between_levels", gaps.max(), f"at most {facts.distance:.9g}", holds)
 
 
-def _check_positions(case, ledger, t):
+def _check_positions(facts, ledger, t):
     """Every curve passes through the crossing at its anchor."""
-    low, high, level = case.rank[t["lower_vertex"]], case.rank[t["upper_vertex"]], t["level"]
-    spots = cross(case.surface, low, high, *(case.levels[k][level] for k in ("height", "tie_x", "tie_y")))
+    low, high, level = facts.rank[t["lower_vertex"]], facts.rank[t["upper_vertex"]], t["level"]
+    spots = cross(facts.surface, low, high, *(facts.levels[k][level] for k in ("height", "tie_x", "tie_y")))
     single = low != high
-    passes = pass_spots(*case.curves, spots, case.noise)
+    passes = pass_spots(*facts.curves, spots, facts.noise)
     ledger.rows("contours.position", ~single | passes, "the curve passes its anchor")
 
 
-def check_pieces(case, ledger):
+def check_pieces(facts, ledger):
     """One piece per component of cells, with the same contours, shape and measures."""
-    t, found = case.columns.pieces, case.recount
+    t, found = facts.columns.pieces, facts.recount
     n, n_contours = len(t["piece"]), len(found.anchored)
     ledger.enter("number_of_pieces", n, len(found.slab))
     below, above = _bounded_by(t["above"], n_contours), _bounded_by(t["below"], n_contours)
@@ -123,33 +130,42 @@ def check_pieces(case, ledger):
     ledger.rows("pieces.contours", met & _ends_agree(name, found, below, above, n), "contours below and above")
     if not met.all():
         raise ValueError(f"piece {np.flatnonzero(~met)[0]} of the table is no piece of the mesh")
-    case.piece = name  # recounted piece -> row
+    facts.piece = name  # recounted piece -> row
     row = np.argsort(name)  # row -> recounted piece
-    case.below, case.above = below, above
+    facts.below, facts.above = below, above
     n_below = np.bincount(found.above, minlength=len(found.slab))[row]
     n_above = np.bincount(found.below, minlength=len(found.slab))[row]
     euler = found.euler[row]
     genus = (2 - n_below - n_above - euler) // 2
     kinds = [_kind(*ends) for ends in zip(n_below.tolist(), n_above.tolist(), genus.tolist())]
-    case.kinds = np.array(kinds, object)
-    case.slab, case.piece_genus, case.piece_euler, case.piece_ends = found.slab[row], genus, euler, (n_below, n_above)
-    case.piece_shell, case.piece_area, case.piece_flux = found.piece_shell[row], found.piece_area[row], found.flux[row]
-    case.hidden = int(genus.sum())
-    case.elementary = (case.kinds != "compound") & (case.kinds != "unseen")
+    facts.kinds = np.array(kinds, object)
+    facts.slab, facts.piece_genus, facts.piece_euler, facts.piece_ends = (
+        found.slab[row],
+        genus,
+        euler,
+        (n_below, n_above),
+    )
+    facts.piece_shell, facts.piece_area, facts.piece_flux = (
+        found.piece_shell[row],
+        found.piece_area[row],
+        found.flux[row],
+    )
+    facts.hidden = int(genus.sum())
+    facts.elementary = (facts.kinds != "compound") & (facts.kinds != "unseen")
     for column, values in (
-        ("slab", case.slab), ("shell", case.piece_shell), ("n_below", n_below), ("n_above", n_above),
-        ("euler_characteristic", euler), ("genus", genus), ("kind", case.kinds),
+        ("slab", facts.slab), ("shell", facts.piece_shell), ("n_below", n_below), ("n_above", n_above),
+        ("euler_characteristic", euler), ("genus", genus), ("kind", facts.kinds),
     ):  # fmt: skip
         ledger.rows(f"pieces.{column}", t[column] == values, f"{column} counted on the mesh")
     ledger.enter("genus_of_pieces_is_whole", int(((n_below + n_above + euler) % 2).sum() + (genus < 0).sum()), 0)
     for column, values, noise in (
-        ("area", case.piece_area, case.area_noise),
-        ("flux", case.piece_flux, case.volume_noise),
+        ("area", facts.piece_area, facts.area_noise),
+        ("flux", facts.piece_flux, facts.volume_noise),
     ):
         ledger.rows(
             f"pieces.{column}", np.abs(t[column] - values) <= noise + 1e-7 * np.abs(values), f"{column} of its cells"
         )
-    _check_essential(case, ledger, t)
+    _check_essential(facts, ledger, t)
 
 
 def _bounded_by(lists, n_contours):
@@ -191,31 +207,30 @@ def _kind(n_below, n_above, genus):
     return ELEMENTARY.get((n_below, n_above), "compound") if genus == 0 else "compound"
 
 
-def _check_essential(case, ledger, t):
+def _check_essential(facts, ledger, t):
     """The essential critical points of each piece, by the elder rule once more."""
-    count, pairs = essential_points(case.split, case.split_sides, case.recount)
-    z = case.split.points[:, 2]
-    case.cancelled = np.abs(z[pairs[:, 0]] - z[pairs[:, 1]])  # what the graph does not show, in mesh units
+    count, pairs = essential_points(facts.split, facts.split_sides, facts.recount)
+    z = facts.split.points[:, 2]
+    facts.cancelled = np.abs(z[pairs[:, 0]] - z[pairs[:, 1]])  # what the graph does not show, in mesh units
     vertices = np.repeat(np.arange(len(count)), count)
     members = [[] for _ in t["piece"]]
-    for vertex, piece in zip(vertices.tolist(), case.piece[case.recount.piece_of_vertex[vertices]].tolist()):
-        members[piece].append(int(case.split.origin[vertex]))
+    for vertex, piece in zip(vertices.tolist(), facts.piece[facts.recount.piece_of_vertex[vertices]].tolist()):
+        members[piece].append(int(facts.split.origin[vertex]))
     ledger.rows(
         "pieces.critical", [a == b for a, b in zip(t["critical"], members)], "vertices that the elder rule leaves"
     )
-    case.essential = members
-    ledger.enter("sum_of_vertex_indices", int((1 - case.surface.changes // 2).sum()), case.euler)
+    ledger.enter("sum_of_vertex_indices", int((1 - facts.surface.changes // 2).sum()), facts.euler)
     ranks = [rank for ranks in t["critical_ranks"] for rank in ranks]
-    decoded = _surface_vertices(case, np.array(ranks, np.int64))
+    decoded = _surface_vertices(facts, np.array(ranks, np.int64))
     flat = [vertex for vertices in t["critical"] for vertex in vertices]
     lengths = [len(a) == len(b) for a, b in zip(t["critical"], t["critical_ranks"])]
     same = all(lengths) and decoded.tolist() == flat and len(set(ranks)) == len(ranks)
     ledger.enter("pieces.critical_ranks", bool(same), True)
 
 
-def _surface_vertices(case, ranks):
+def _surface_vertices(facts, ranks):
     """The surface vertex of ranks that count every copy of a multiple saddle; -1 for none."""
-    origin, weight = case.surface.origin, case.surface.weight
+    origin, weight = facts.surface.origin, facts.surface.weight
     place = np.searchsorted(weight, ranks.astype(weight.dtype), side="right") - 1
     known = (place >= 0) & (place < len(origin))
     return np.where(known, origin[np.clip(place, 0, len(origin) - 1)], -1)

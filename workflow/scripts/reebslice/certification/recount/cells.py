@@ -31,21 +31,42 @@ class Cells(NamedTuple):
     flux: np.ndarray
 
 
-def find_cells(surface, sides, place, centre, height, of_vertex, count, first, last, run_sides, run_faces):
-    """The :class:`Cells` of a surface in a run of slabs.
+class Slabs(NamedTuple):
+    """Where K levels cut a surface of n vertices and s shells into slabs.
 
-    place : (n,) levels below each vertex; centre : (s, 2) middle of each shell,
-    of :func:`find_centres`; height : (K,) of the levels; the run as
-    :func:`cut_surface._runs` tells it.
-    Pieces of the vertices in the run are entered in `of_vertex` (n,), counted
-    on from `count`. The flux is the integral over height of the signed area
-    that the cell's level segment sweeps around the middle of its shell. A face
-    within one horizontal plane counts whole where its middle corner lies.
+    place : (n,) int32, the levels below each vertex
+    bounds : (K + 2,) float64, the heights between which the slabs are
+    centre : (s, 2) float64, the middle of each shell, of :func:`find_centres`
     """
-    mesh = surface.points, surface.corners, surface.even, surface.shell, sides.lower, sides.upper, sides.faces
-    bounds, vertices = np.concatenate([[-np.inf], height, [np.inf]]), tuple(np.searchsorted(place, (first, last)))
-    run = of_vertex, count, first, last, run_sides, run_faces, vertices
-    return Cells(run_faces[0], *_find_cells(*mesh, place, centre, bounds, *run))
+
+    place: np.ndarray
+    bounds: np.ndarray
+    centre: np.ndarray
+
+
+def find_cells(surface, sides, slabs, run, of_vertex, count):
+    """Find the cells of a surface in a run of slabs, and the pieces that they make.
+
+    Parameters
+    ----------
+    surface, sides : Ranked, MeshEdges
+        The surface and its mesh edges.
+    slabs, run : Slabs, Run
+        Where all slabs are, and those to look at.
+    of_vertex : (n,) int64
+        Filled in for the vertices in the run: their pieces, counted on from `count`.
+    count : int
+        Pieces before the run.
+
+    Returns
+    -------
+    Cells
+        The flux is the integral over height of the signed area that the
+        cell's level segment sweeps around the middle of its shell. A face
+        within one horizontal plane counts whole where its middle corner lies.
+    """
+    vertices = tuple(np.searchsorted(slabs.place, (run.first, run.last)).tolist())
+    return Cells(run.faces[0], *_find_cells(surface, sides, slabs, run, vertices, of_vertex, count))
 
 
 @njit(cache=True)
@@ -61,46 +82,32 @@ def find_centres(points, corners, shell):
 
 
 @njit(cache=True)
-def _find_cells(
-    points, corners, even, shell, lower, upper, faces, place, centre, bounds, of_vertex, count, first, last,
-    run_sides, run_faces, vertices,
-):  # fmt: skip
-    origin, end = run_faces
-    start, n = np.empty(end - origin, np.int64), 0
-    for f in range(origin, end):
-        low, high = max(place[corners[f, 0]], first), min(place[corners[f, 2]] + 1, last)
-        start[f - origin] = n - low
-        n += max(high - low, 0)
-    part = first_parents(n)
-    for side in range(run_sides[0], run_sides[1]):
-        low, high = max(place[lower[side]], first), min(place[upper[side]] + 1, last)
-        if low < high:
-            one, two = start[faces[side, 0] - origin], start[faces[side, 1] - origin]
-            for s in range(low, high):
-                join(part, one + s, two + s)
+def _find_cells(surface, sides, slabs, run, vertices, of_vertex, count):
+    start, part = _join_cells(surface, sides, slabs.place, run)
     n_parts = number_sets(part)
     slab, shells, twice = np.empty(n_parts, np.int64), np.empty(n_parts, np.int64), np.zeros(n_parts, np.int64)
     area, flux = np.zeros(n_parts), np.zeros(n_parts)
-    for f in range(origin, end):
+    place, corners = slabs.place, surface.corners
+    for f in range(run.faces[0], run.faces[1]):
         low, middle, high = place[corners[f, 0]], place[corners[f, 1]], place[corners[f, 2]]
-        bottom, top = max(low, first), min(high + 1, last)
+        bottom, top = max(low, run.first), min(high + 1, run.last)
         if bottom >= top:
             continue
-        low_half, high_half, whole = _halves(points, corners, f, centre[shell[f], 0], centre[shell[f], 1])
-        share, swept = _below(low_half, high_half, bounds[bottom]) if bottom > low else (0.0, 0.0)
+        low_half, high_half, whole = _halves(surface, f, slabs.centre)
+        share, swept = _below(low_half, high_half, slabs.bounds[bottom]) if bottom > low else (0.0, 0.0)
         for s in range(bottom, top):
-            p, share_below, swept_below = part[start[f - origin] + s], share, swept
-            share, swept = _below(low_half, high_half, bounds[s + 1])
+            p, share_below, swept_below = part[start[f - run.faces[0]] + s], share, swept
+            share, swept = _below(low_half, high_half, slabs.bounds[s + 1])
             if low_half[1] + high_half[1] == 0.0:
                 share = share_below + (s == middle)
             area[p] += (share - share_below) * whole
-            flux[p] += swept - swept_below if even[f] else swept_below - swept
-            slab[p], shells[p] = s, shell[f]
+            flux[p] += swept - swept_below if surface.even[f] else swept_below - swept
+            slab[p], shells[p] = s, surface.shell[f]
             # a face, less its sides here, each of which is in two faces: ac in all slabs, ab below b, bc above
             twice[p] += 2 - 1 - (s <= middle) - (s >= middle)
         for corner, s in enumerate((low, middle, high)):
-            if first <= s < last:
-                of_vertex[corners[f, corner]] = part[start[f - origin] + s] + count
+            if run.first <= s < run.last:
+                of_vertex[corners[f, corner]] = part[start[f - run.faces[0]] + s] + count
     # boundary circles have as many crossings as segments, so they cancel
     for v in range(vertices[0], vertices[1]):
         if of_vertex[v] >= count:
@@ -109,14 +116,34 @@ def _find_cells(
 
 
 @njit(cache=True)
-def _halves(points, corners, f, x, y):
+def _join_cells(surface, sides, place, run):
+    """Where the cells of each face begin, and their sets: a mesh edge joins those of its two faces."""
+    origin, end = run.faces
+    start, n = np.empty(end - origin, np.int64), 0
+    for f in range(origin, end):
+        low, high = max(place[surface.corners[f, 0]], run.first), min(place[surface.corners[f, 2]] + 1, run.last)
+        start[f - origin] = n - low
+        n += max(high - low, 0)
+    part = first_parents(n)
+    for side in range(run.sides[0], run.sides[1]):
+        low, high = max(place[sides.lower[side]], run.first), min(place[sides.upper[side]] + 1, run.last)
+        if low < high:
+            one, two = start[sides.faces[side, 0] - origin], start[sides.faces[side, 1] - origin]
+            for s in range(low, high):
+                join(part, one + s, two + s)
+    return start, part
+
+
+@njit(cache=True)
+def _halves(surface, f, centre):
     """What :func:`_below` needs of face f below and above its middle corner, and the area of the face.
 
     Of each half: height of the corner it tapers to, its own height, its share
     of the face's area, and the coefficients of the area that the level segment
-    sweeps around (x, y): linear and quadratic in the way from that corner.
+    sweeps around the `centre` of its shell: linear and quadratic in the way from that corner.
     """
-    i, j, k = corners[f, 0], corners[f, 1], corners[f, 2]
+    points, x, y = surface.points, centre[surface.shell[f], 0], centre[surface.shell[f], 1]
+    i, j, k = surface.corners[f, 0], surface.corners[f, 1], surface.corners[f, 2]
     ax, ay, az = points[i, 0] - x, points[i, 1] - y, points[i, 2]
     bx, by, bz = points[j, 0] - x, points[j, 1] - y, points[j, 2]
     cx, cy, cz = points[k, 0] - x, points[k, 1] - y, points[k, 2]

@@ -12,6 +12,29 @@ from numba import njit
 from .components import first_parents, join, number_sets
 
 
+class Cut(NamedTuple):
+    """Where K levels cut a surface of n vertices.
+
+    place : (n,) int32, the levels below each vertex
+    planes : (K, 3) float64, height, tie_x and tie_y of each level
+    doubled : (n,) int64, how often the mesh edges up to a vertex may be
+        doubled where the vertex, a multiple saddle, comes apart
+    """
+
+    place: np.ndarray
+    planes: np.ndarray
+    doubled: np.ndarray
+
+
+class Run(NamedTuple):
+    """Levels or slabs first..last-1, and ranges (begin, end) that hold all mesh edges and all faces that meet them."""
+
+    first: int
+    last: int
+    sides: tuple
+    faces: tuple
+
+
 class Crossings(NamedTuple):
     """The crossings with levels first..last-1, and the P contours they make.
 
@@ -32,27 +55,48 @@ class Crossings(NamedTuple):
     perimeter: np.ndarray
 
 
-def find_crossings(surface, sides, place, levels, doubled, first, last, run_sides, run_faces):
-    """The :class:`Crossings` of a surface with a run of levels.
+def find_crossings(surface, sides, cut, run):
+    """Find the crossings of a surface with a run of levels, and the contours that they make.
 
-    place : (n,) levels below each vertex; the run as :func:`cut_surface._runs` tells it, others as for `cut_surface.recount`.
+    Parameters
+    ----------
+    surface, sides : Ranked, MeshEdges
+        The surface and its mesh edges.
+    cut : Cut
+        Where all levels are.
+    run : Run
+        The levels to look at.
+
+    Returns
+    -------
+    Crossings
     """
-    planes = np.stack([levels[column] for column in ("height", "tie_x", "tie_y")], axis=1)
-    mesh = surface.points, surface.corners, surface.even, surface.shell, sides.lower, sides.upper, sides.of_face
-    found = _find_crossings(*mesh, place, planes, doubled, first, last, run_sides, run_faces)
-    return Crossings(run_sides[0], *found)
+    return Crossings(run.sides[0], *_find_crossings(surface, sides, cut, run))
 
 
 @njit(cache=True)
-def enter_ends(place, lower, upper, start, part, name, first, last, run, enters, leaves):
-    """Enter the contours, `name` by part, at the highest and lowest crossing of each mesh edge, if in this run."""
-    for side in range(run[0], run[1]):
-        low, high = place[lower[side]], place[upper[side]]
+def enter_ends(sides, place, run, crossings, name, enters, leaves):
+    """Enter the contours at the highest and the lowest crossing of each mesh edge, if those are in the run.
+
+    Parameters
+    ----------
+    sides : MeshEdges
+    place : (n,) int32
+        Levels below each vertex.
+    run, crossings : Run, Crossings
+    name : (P,) int64
+        The contour that each part of the crossings is.
+    enters, leaves : (E,) int32
+        Filled in.
+    """
+    for side in range(run.sides[0], run.sides[1]):
+        low, high = place[sides.lower[side]], place[sides.upper[side]]
+        first = crossings.start[side - run.sides[0]]
         if low < high:
-            if first <= high - 1 < last:
-                enters[side] = name[part[start[side - run[0]] + high - 1]]
-            if first <= low < last:
-                leaves[side] = name[part[start[side - run[0]] + low]]
+            if run.first <= high - 1 < run.last:
+                enters[side] = name[crossings.part[first + high - 1]]
+            if run.first <= low < run.last:
+                leaves[side] = name[crossings.part[first + low]]
 
 
 def cross(surface, low, high, height, tie_x, tie_y):
@@ -90,50 +134,58 @@ def _meet(line, planes, k):
 
 
 @njit(cache=True)
-def _find_crossings(
-    points, corners, even, shell, lower, upper, of_face, place, planes, doubled, first, last, run_sides, run_faces
-):
-    origin, end = run_sides
-    start, n = np.empty(end - origin, np.int64), 0
-    for side in range(origin, end):
-        low, high = max(place[lower[side]], first), min(place[upper[side]], last)
-        start[side - origin] = n - low
-        n += max(high - low, 0)
-    part = first_parents(n)
-    for f in range(run_faces[0], run_faces[1]):
-        middle, (ab, bc, ac) = place[corners[f, 1]], _numbers(of_face, f, origin)
-        for k in range(max(place[corners[f, 0]], first), min(place[corners[f, 2]], last)):
-            join(part, start[ac] + k, start[ab if k < middle else bc] + k)  # the longest and one of the others
+def _find_crossings(surface, sides, cut, run):
+    start, part = _join_crossings(surface, sides, cut.place, run)
     count = number_sets(part)
     level, shells = np.empty(count, np.int64), np.empty(count, np.int64)
     n_points, loose = np.zeros(count, np.int64), np.zeros(count, np.int64)
-    area, perimeter, centre, spots = np.zeros(count), np.zeros(count), np.empty((count, 2)), np.empty((n, 2))
-    for side in range(origin, end):
-        line = _line(points, lower[side], upper[side])
-        for k in range(max(place[lower[side]], first), min(place[upper[side]], last)):
-            crossing = start[side - origin] + k
+    area, perimeter, centre, spots = np.zeros(count), np.zeros(count), np.empty((count, 2)), np.empty((len(part), 2))
+    for side in range(run.sides[0], run.sides[1]):
+        low, high = sides.lower[side], sides.upper[side]
+        line = _line(surface.points, low, high)
+        for k in range(max(cut.place[low], run.first), min(cut.place[high], run.last)):
+            crossing = start[side - run.sides[0]] + k
             c = part[crossing]
-            x, y = _meet(line, planes, k)
+            x, y = _meet(line, cut.planes, k)
             spots[crossing, 0], spots[crossing, 1] = x, y
             centre[c, 0], centre[c, 1] = x, y  # any point of the contour: no cancellation far from the origin
             level[c] = k
             n_points[c] += 1
-            loose[c] += doubled[upper[side]]
-    for f in range(run_faces[0], run_faces[1]):
-        middle, (ab, bc, ac) = place[corners[f, 1]], _numbers(of_face, f, origin)
-        for k in range(max(place[corners[f, 0]], first), min(place[corners[f, 2]], last)):
+            loose[c] += cut.doubled[high]
+    for f in range(run.faces[0], run.faces[1]):
+        (low, middle, high), (ab, bc, ac) = _of_face(surface, sides, cut.place, f, run)
+        for k in range(max(low, run.first), min(high, run.last)):
             p, q = start[ac] + k, start[ab if k < middle else bc] + k
             c = part[p]
             px, py = spots[p, 0] - centre[c, 0], spots[p, 1] - centre[c, 1]
             qx, qy = spots[q, 0] - centre[c, 0], spots[q, 1] - centre[c, 1]
             swept = 0.5 * (px * qy - py * qx)
-            area[c] += swept if even[f] else -swept
+            area[c] += swept if surface.even[f] else -swept
             perimeter[c] += np.sqrt((qx - px) * (qx - px) + (qy - py) * (qy - py))
-            shells[c] = shell[f]
+            shells[c] = surface.shell[f]
     return start, part, level, shells, n_points, loose, area, perimeter
 
 
 @njit(cache=True)
-def _numbers(of_face, f, origin):
-    """The mesh edges ab, bc and ac of a face, counted from `origin`."""
-    return of_face[f, 0] - origin, of_face[f, 1] - origin, of_face[f, 2] - origin
+def _join_crossings(surface, sides, place, run):
+    """Where the crossings of each mesh edge begin, and their sets: a face joins those of its longest side to others."""
+    origin, end = run.sides
+    start, n = np.empty(end - origin, np.int64), 0
+    for side in range(origin, end):
+        low, high = max(place[sides.lower[side]], run.first), min(place[sides.upper[side]], run.last)
+        start[side - origin] = n - low
+        n += max(high - low, 0)
+    part = first_parents(n)
+    for f in range(run.faces[0], run.faces[1]):
+        (low, middle, high), (ab, bc, ac) = _of_face(surface, sides, place, f, run)
+        for k in range(max(low, run.first), min(high, run.last)):
+            join(part, start[ac] + k, start[ab if k < middle else bc] + k)
+    return start, part
+
+
+@njit(cache=True)
+def _of_face(surface, sides, place, f, run):
+    """Of a face the levels below its corners, and its mesh edges ab, bc and ac counted from the first of the run."""
+    a, b, c = surface.corners[f, 0], surface.corners[f, 1], surface.corners[f, 2]
+    origin, of_face = run.sides[0], sides.of_face
+    return (place[a], place[b], place[c]), (of_face[f, 0] - origin, of_face[f, 1] - origin, of_face[f, 2] - origin)

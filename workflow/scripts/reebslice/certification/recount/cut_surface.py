@@ -15,10 +15,11 @@ from typing import NamedTuple
 import numpy as np
 from numba import njit
 
-from .cells import find_cells, find_centres
-from .crossings import enter_ends, find_crossings
+from .cells import Slabs, find_cells, find_centres
+from .crossings import Cut, Run, enter_ends, find_crossings
 
 CELLS_AT_ONCE = 200_000
+PIECE_COLUMNS = ("slab", "piece_shell", "euler", "piece_area", "flux")
 
 
 class Recount(NamedTuple):
@@ -71,40 +72,49 @@ def count_below(surface, height, tie_x, tie_y):
 
 
 def recount(surface, sides, levels, anchors, doubled):
-    """The :class:`Recount` of a surface cut at levels.
+    """Count contours and pieces of a surface cut at levels.
 
-    doubled : (n,) int, how often the mesh edges up to a vertex may be doubled
-        where the vertex, a multiple saddle, comes apart
-    levels : dict of (K,) arrays height, below (ranks), tie_x, tie_y
-    anchors : dict of (C,) arrays level, lower, upper; a mesh edge of each
-        contour by the surface vertices of its ends
+    Parameters
+    ----------
+    surface, sides : Ranked, MeshEdges
+        The surface, of n vertices, and its mesh edges.
+    levels : dict of (K,) arrays
+        height, below (ranks), tie_x, tie_y.
+    anchors : dict of (C,) arrays
+        level, lower, upper: a mesh edge of each contour by the surface vertices of its ends.
+    doubled : (n,) int64
+        How often the mesh edges up to a vertex may be doubled where the
+        vertex, a multiple saddle, comes apart.
+
+    Returns
+    -------
+    Recount
     """
     n, k = len(surface.points), len(levels["below"])
     place = np.repeat(np.arange(k + 1, dtype=np.int32), np.diff(levels["below"], prepend=0, append=n))
     anchor_side, ambiguous = _find_anchors(surface, sides, place, anchors)
     contours = _Contours(k, len(anchors["level"]), len(sides.lower))
-    ends = (sides.lower, sides.upper), (surface.corners[:, 0], surface.corners[:, 2])
-    for run in _runs(place, *ends, k, 0):
-        crossings = find_crossings(surface, sides, place, levels, doubled, *run)
-        name = _name_contours(crossings, anchors["level"], anchor_side, ambiguous, contours, *run[:2])
-        _enter_contours(contours, crossings, name, place, sides, *run)
-    centre = find_centres(surface.points, surface.corners, surface.shell)
-    pieces = _Pieces(len(surface.points), len(anchors["level"]))
-    for run in _runs(place, *ends, k + 1, 1):
-        cells = find_cells(surface, sides, place, centre, levels["height"], pieces.of_vertex, pieces.count, *run)
-        _enter_pieces(pieces, cells, sides, anchors["level"], contours.side, *run[:2])
-    return Recount(
-        contours.n, contours.anchored, contours.n_points, contours.loose, contours.area, contours.perimeter,
-        contours.shell, pieces.above, pieces.below, contours.side, *(np.concatenate(part) for part in pieces.columns),
-        pieces.of_vertex, contours.enters, contours.leaves,
-    )  # fmt: skip
+    cut = Cut(place, np.stack([levels[column] for column in ("height", "tie_x", "tie_y")], axis=1), doubled)
+    for run in _runs(surface, sides, place, k, 0):
+        crossings = find_crossings(surface, sides, cut, run)
+        name = _name_contours(crossings, anchors["level"], anchor_side, ambiguous, contours, run)
+        _enter_contours(contours, crossings, name, place, sides, run)
+    bounds = np.concatenate([[-np.inf], levels["height"], [np.inf]])
+    slabs = Slabs(place, bounds, find_centres(surface.points, surface.corners, surface.shell))
+    pieces = _Pieces(n, len(anchors["level"]))
+    for run in _runs(surface, sides, place, k + 1, 1):
+        cells = find_cells(surface, sides, slabs, run, pieces.of_vertex, pieces.count)
+        _enter_pieces(pieces, cells, sides, anchors["level"], contours.side, run)
+    columns = dict(zip(PIECE_COLUMNS, (np.concatenate(part) for part in pieces.columns)))
+    ends = {"above": pieces.above, "below": pieces.below, "piece_of_vertex": pieces.of_vertex}
+    return Recount(**vars(contours), **columns, **ends)
 
 
 class _Contours:
     """Filled in run by run by :func:`_name_contours` and :func:`_enter_contours`."""
 
     def __init__(self, n_levels, n_contours, n_sides):
-        self.n = np.zeros(n_levels, np.int64)
+        self.n_contours = np.zeros(n_levels, np.int64)
         self.anchored = np.zeros(n_contours, bool)
         self.n_points, self.loose = np.zeros(n_contours, np.int64), np.zeros(n_contours, np.int64)
         self.area, self.perimeter = np.zeros(n_contours), np.zeros(n_contours)
@@ -114,30 +124,31 @@ class _Contours:
 
 
 class _Pieces:
-    """Filled in run by run by :func:`_enter_pieces`; columns : slab, shell, euler, area, flux."""
+    """Filled in run by run by :func:`_enter_pieces`; columns : those of PIECE_COLUMNS."""
 
     def __init__(self, n_vertices, n_contours):
-        self.columns = tuple([] for _ in range(5))
+        self.columns = tuple([] for _ in PIECE_COLUMNS)
         self.of_vertex = np.full(n_vertices, -1)
         self.above, self.below = np.full(n_contours, -1), np.full(n_contours, -1)
         self.count = 0
 
 
-def _runs(place, side_ends, face_ends, n, more):
+def _runs(surface, sides, place, n, more):
     """Runs of levels, or with `more` of 1 of slabs, of at most CELLS_AT_ONCE cells each, where one allows it.
 
-    Yields (first, last, sides, faces) : first..last-1 of 0..n-1, and the ranges
-    (begin, end) of mesh edges and of faces, both in order of their lower ends,
-    in which all are that meet those. Mesh edges and faces meet what is from
-    the place of their lower end to that of their upper one, less 1 but for `more`.
+    Of 0..n-1; mesh edges and faces are in order of their lower ends. They meet
+    what is from the place of their lower end to that of their upper one, less
+    1 but for `more`.
     """
+    side_ends, face_ends = (sides.lower, sides.upper), (surface.corners[:, 0], surface.corners[:, 2])
     sizes = _count_open(place, *(face_ends if more else side_ends), n, more)
-    first, held, sides, faces = 0, 0, (0, 0), (0, 0)
+    first, held, of_sides, of_faces = 0, 0, (0, 0), (0, 0)
     for k in range(1, n + 1):
         held += sizes[k - 1]
         if k == n or held + sizes[k] > CELLS_AT_ONCE:
-            sides, faces = (_window(place, *e, *w, first, k, more) for e, w in ((side_ends, sides), (face_ends, faces)))
-            yield first, k, sides, faces
+            of_sides = _window(place, *side_ends, *of_sides, first, k, more)
+            of_faces = _window(place, *face_ends, *of_faces, first, k, more)
+            yield Run(first, k, of_sides, of_faces)
             first, held = k, 0
 
 
@@ -184,10 +195,10 @@ def _find_anchors(surface, sides, place, anchors):
     return found, {k: side[row == k] for k in several}
 
 
-def _name_contours(crossings, level, anchor_side, ambiguous, out, first, last):
+def _name_contours(crossings, level, anchor_side, ambiguous, out, run):
     """The contour row of each recounted contour, -1 for none; a contour is taken once."""
     name = np.full(len(crossings.level), -1)
-    rows = np.flatnonzero((level >= first) & (level < last) & (anchor_side >= 0))
+    rows = np.flatnonzero((level >= run.first) & (level < run.last) & (anchor_side >= 0))
     sure = np.array([row not in ambiguous for row in rows.tolist()], bool)
     for row in np.concatenate([rows[sure], rows[~sure]]).tolist():
         for side in ambiguous.get(row, anchor_side[row : row + 1]):
@@ -198,17 +209,17 @@ def _name_contours(crossings, level, anchor_side, ambiguous, out, first, last):
     return name
 
 
-def _enter_contours(out, crossings, name, place, sides, first, last, run_sides, _):
+def _enter_contours(out, crossings, name, place, sides, run):
     """Enter the contours of a run by their rows."""
-    out.n[first:last] = np.bincount(crossings.level, minlength=last)[first:last]
+    levels = slice(run.first, run.last)
+    out.n_contours[levels] = np.bincount(crossings.level, minlength=run.last)[levels]
     named = np.flatnonzero(name >= 0)
     for column in ("n_points", "loose", "area", "perimeter", "shell"):
         getattr(out, column)[name[named]] = getattr(crossings, column)[named]
-    found = crossings.start, crossings.part, name
-    enter_ends(place, sides.lower, sides.upper, *found, first, last, run_sides, out.enters, out.leaves)
+    enter_ends(sides, place, run, crossings, name, out.enters, out.leaves)
 
 
-def _enter_pieces(out, cells, sides, level, anchor_side, first, last):
+def _enter_pieces(out, cells, sides, level, anchor_side, run):
     """Enter the pieces of a run of slabs, and which of them each contour bounds.
 
     Slab s of the cells is the one below level s, so the table's slab is s - 1.
@@ -216,6 +227,6 @@ def _enter_pieces(out, cells, sides, level, anchor_side, first, last):
     for column, values in zip(out.columns, (cells.slab - 1, cells.shell, cells.euler, cells.area, cells.flux)):
         column.append(values)
     for ends, slab in ((out.above, level + 1), (out.below, level)):
-        rows = np.flatnonzero((anchor_side >= 0) & (slab >= first) & (slab < last))
+        rows = np.flatnonzero((anchor_side >= 0) & (slab >= run.first) & (slab < run.last))
         ends[rows] = cells.part[cells.start[sides.faces[anchor_side[rows], 0] - cells.origin] + slab[rows]] + out.count
     out.count += len(cells.slab)

@@ -9,6 +9,8 @@ from fractions import Fraction
 
 import numpy as np
 
+SPOTS = 5  # points of a contour that are looked at
+
 
 class ExactLevels:
     """Contours of an unfolded `surface` with its `sides`.
@@ -34,11 +36,11 @@ class ExactLevels:
         ring = self.ring(contour)
         return sum(p[0] * q[1] - q[0] * p[1] for p, q in zip(ring, ring[1:] + ring[:1])) / 2
 
-    def winds_around(self, contour, inside):
-        """Whether `contour` winds around most of three points of another contour, `inside`."""
+    def share_around(self, contour, inside):
+        """The share of some points of another contour, `inside`, that `contour` winds around."""
         ring, other = self.ring(contour), self.ring(inside)
-        votes = [_winding(ring, _middle(other, k * len(other) // 3)) != 0 for k in range(3)]
-        return sum(votes) > 1
+        spots = [_middle(other, k * len(other) // SPOTS) for k in range(SPOTS)]
+        return sum(_winding(ring, spot) != 0 for spot in spots) / SPOTS
 
     def _follow(self, start, cut):
         """Mesh edges that the contour through mesh edge `start` crosses in turn, material on the left.

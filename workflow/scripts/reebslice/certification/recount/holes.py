@@ -30,16 +30,35 @@ class ContourNesting:
         self.shares = {}
 
     def innermost(self, contour, members):
-        """(the smallest of `members`, ascending, around `contour` or -1, whether some member crosses it)."""
-        best, crosses = -1, False
+        """The smallest of `members`, ascending, around `contour` or -1; whether some member crosses or touches it.
+
+        Two bools: one that crosses has parts of `contour` on both sides of it;
+        one that touches runs along with it, so that exact numbers differ from
+        point to point. It is around it only if no other member is.
+        """
+        best, crosses, touching = -1, False, []
         for other in members:
             if best >= 0 and self.size[other] > self.size[best] + self.slack[other] + self.slack[best]:
                 break
-            share = self._share(contour, other)
-            crosses |= 0 < share < 1
-            if share == 1 and (best < 0 or self.exact.winds_around(best, other)):
+            share, clear = self._share(contour, other)
+            if 0 < share < 1:
+                crosses |= clear
+                touching += [] if clear else [other]
+            elif share == 1 and (best < 0 or self.exact.share_around(best, other) > 0.5):
                 best = other
-        return best, crosses
+        return best if best >= 0 or not touching else touching[0], crosses, bool(touching)
+
+    def coincides(self, contour, members, shell):
+        """Whether `contour` runs along one of the members, of another shell, that was looked at."""
+        looked = (self.shares.get((contour, other), (0, True)) for other in members if shell[other] != shell[contour])
+        return any(not clear for _, clear in looked)
+
+    def crosses_itself(self, body):
+        """Whether two contours of one body were seen to cross; body : (C,) int."""
+        return any(
+            clear and 0 < share < 1 and body[contour] == body[other]
+            for (contour, other), (share, clear) in self.shares.items()
+        )
 
     def most(self, hole, members):
         """The member that holds most of a hole that crosses them, of equal ones the smallest."""
@@ -49,22 +68,35 @@ class ContourNesting:
         return members[int(np.argmax(shares))]
 
     def _share(self, contour, other):
-        """Share of a contour inside another: of its points further from that than rounding, or in exact numbers."""
+        """Share of a contour inside another, and whether it is that of points further from it than rounding.
+
+        Where there are none, it is that of points in exact numbers.
+        """
         if (contour, other) not in self.shares:
             inside, clear = _count_inside(*self.curves, contour, other, 2 * self.noise)
-            share = inside / clear if clear else float(self.exact.winds_around(other, contour))
-            self.shares[contour, other] = share
+            share = inside / clear if clear else self.exact.share_around(other, contour)
+            self.shares[contour, other] = share, clear > 0
         return self.shares[contour, other]
 
 
 def find_hosts(nest, inner, body):
-    """The outer contours that each hole lies in: (host, open), (C,) int and bool.
+    """Find the outer contour that each hole lies in.
 
     The host is the smallest outer contour of the same level and body around
-    the hole; -1 for outer contours, and for holes of a level and body without
-    any outer one. A host without rival needs no geometry: material is bounded.
-    `open` marks holes that a surface that crosses itself leaves between two
-    regions; theirs is the one that holds most of them.
+    the hole. A host without rival needs no geometry: material is bounded.
+
+    Parameters
+    ----------
+    nest : ContourNesting
+    inner, body : (C,) bool and int
+
+    Returns
+    -------
+    host : (C,) int
+        -1 for outer contours, and for holes of a level and body without any outer one.
+    is_open : (C,) bool
+        Holes that a surface that crosses itself leaves between two regions;
+        theirs is the one that holds most of them.
     """
     host, is_open = np.full(len(inner), -1), np.zeros(len(inner), bool)
     groups = {}
@@ -76,17 +108,32 @@ def find_hosts(nest, inner, body):
         elif outers:
             for hole in holes:
                 near = [k for k in nest.near.get(hole, []) if not inner[k] and body[k] == body[hole]]
-                host[hole], is_open[hole] = nest.innermost(hole, near)
+                host[hole], is_open[hole], _ = nest.innermost(hole, near)
                 if host[hole] < 0:
                     host[hole], is_open[hole] = nest.most(hole, outers), True
     return host, is_open
 
 
-def find_parents(nest):
-    """The smallest contour around each one, (C,) int or -1, and where that is unsure (C,) bool."""
+def find_parents(nest, shell):
+    """Find the smallest contour around each one.
+
+    Parameters
+    ----------
+    nest : ContourNesting
+    shell : (C,) int
+        Where contours of two shells coincide, the shells touch, and either may be around the other.
+
+    Returns
+    -------
+    parent : (C,) int
+        -1 for none.
+    unsure : (C,) bool
+        Where a contour crosses or touches another that may be its parent.
+    """
     parent, unsure = np.full(len(nest.size), -1), np.zeros(len(nest.size), bool)
     for contour, near in nest.near.items():
-        parent[contour], unsure[contour] = nest.innermost(contour, near)
+        parent[contour], crosses, touches = nest.innermost(contour, near)
+        unsure[contour] = crosses or touches or nest.coincides(contour, near, shell)
     return parent, unsure
 
 

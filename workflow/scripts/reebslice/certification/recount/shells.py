@@ -8,14 +8,30 @@ import numpy as np
 
 from .rays import meet_faces
 
-RAYS = 10  # per shell, besides those from its six extreme vertices
+SPREAD = 6  # vertices and faces of each shell that rays start at, besides its six extreme vertices
+NEAR = 1e-5  # of the shell's extent, how near to a surface counts as on it
+OFF = np.array([0.0, 6.18e-3, -4.14e-3])  # of that, how far beside a start its rays run
 
 
 def find_around(points, faces, shell, n_shells):
-    """For each shell the shells around it and those that may be: two lists of sets.
+    """Find for each shell the shells around it and those that may be.
 
-    A shell is around another if its box is and all rays from that one say so,
-    and may be around it if they differ or start on it. points, faces : columns x, y, z and a, b, c
+    From each start go two rays, to either side of it. It says something of a
+    shell if both rays agree and that is not on it. A shell is around another if
+    its box is and all starts that say something say so; it may be around it if
+    they differ or none does.
+
+    Parameters
+    ----------
+    points, faces : columns x, y, z (n,) and a, b, c (m,)
+    shell : (m,) int
+        The shell of each face.
+    n_shells : int
+
+    Returns
+    -------
+    around, unsure : list of set
+        Of each shell.
     """
     around, unsure = ([set() for _ in range(n_shells)] for _ in range(2))
     if n_shells == 1:
@@ -26,23 +42,23 @@ def find_around(points, faces, shell, n_shells):
     pairs = _find_boxed(points, owner, n_shells)
     if not len(pairs):
         return around, unsure
-    faces, shell = (rows[np.isin(shell, pairs[:, 0])] for rows in (faces, shell))
-    starts, source, near = _choose_starts(points, owner, np.unique(pairs[:, 1]))
-    ray, face, ahead = meet_faces(points[faces], starts)
-    key, place = np.unique(ray * n_shells + shell[face], return_inverse=True)
-    crossed = np.bincount(place, ahead > 0, len(key)).astype(int)
-    touched = np.bincount(place, np.abs(ahead) <= near[ray], len(key)) > 0
-    ray, other = np.divmod(key, n_shells)
-    pair, place = np.unique(other * n_shells + source[ray], return_inverse=True)
-    inside = np.bincount(place, ~touched & (crossed % 2 == 1), len(pair)).astype(int)
-    void = np.bincount(place, touched, len(pair)).astype(int)
-    rays, boxed = np.bincount(source, minlength=n_shells), np.isin(pair, pairs @ [n_shells, 1])
-    columns = (values[boxed].tolist() for values in (*np.divmod(pair, n_shells), inside, void))
-    for outer, one, yes, none in zip(*columns):
-        if yes and yes + none == rays[one]:
-            around[one].add(outer)
-        elif yes + none:
-            unsure[one].add(outer)
+    starts, source, near = _choose_starts(points, faces, owner, shell, np.unique(pairs[:, 1]))
+    outer = np.isin(shell, pairs[:, 0])
+    aside = near[:, None] * OFF
+    ray, face, ahead = meet_faces(points[faces[outer]], np.concatenate([starts - aside, starts + aside]))
+    turn, start = np.divmod(ray, len(starts))
+    key, place = np.unique(start * n_shells + shell[outer][face], return_inverse=True)
+    odd = [np.bincount(place, (ahead > 0) & (turn == side), len(key)) % 2 == 1 for side in (0, 1)]
+    touched = np.bincount(place, np.abs(ahead) <= near[start], len(key)) > 0
+    start, other = np.divmod(key, n_shells)
+    pair, place = np.unique(other * n_shells + source[start], return_inverse=True)
+    silent = touched | (odd[0] != odd[1])
+    inside, none = (np.bincount(place, says, len(pair)).astype(int) for says in (~silent & odd[0], silent))
+    heard, boxed = np.bincount(source, minlength=n_shells)[pair % n_shells] - none, np.isin(pair, pairs @ [n_shells, 1])
+    for key, yes, votes in zip(pair[boxed].tolist(), inside[boxed].tolist(), heard[boxed].tolist()):
+        outside, one = divmod(key, n_shells)
+        if yes or not votes:
+            (around if votes and yes == votes else unsure)[one].add(outside)
     return around, unsure
 
 
@@ -60,24 +76,32 @@ def _find_boxed(points, owner, n_shells):
     return np.concatenate(pairs)
 
 
-def _choose_starts(points, owner, shells):
+def _choose_starts(points, faces, owner, shell, shells):
     """Starts of rays (q, 3), the shell of each, and what counts as on a surface.
 
-    Vertices of each of `shells`, its extreme ones among them, moved a little
-    off, so that no ray runs along a mesh edge.
+    Vertices of each of `shells`, its extreme ones among them, and middles of some of its faces.
     """
-    order = np.argsort(owner, kind="stable")
-    runs = np.searchsorted(owner[order], np.stack([shells, shells + 1], axis=1)).tolist()
     starts, source, near = [], [], []
-    for number, (first, end) in zip(shells.tolist(), runs):
-        own = points[order[first:end]]
-        spread = np.linspace(0, len(own) - 1, RAYS).astype(int)
-        chosen = np.unique(np.concatenate([own.argmin(axis=0), own.argmax(axis=0), spread]))
-        span = np.ptp(own, axis=0)
-        starts.append(own[chosen] + 1e-7 * span * [0.0, 0.618, -0.414])
-        source.append(np.full(len(chosen), number))
-        near.append(np.full(len(chosen), 1e-5 * span.max()))
+    vertices, corners = _list_by(owner, shells), _list_by(shell, shells)
+    for number, mine, faced in zip(shells.tolist(), vertices, corners):
+        own = points[mine]
+        chosen = np.concatenate([own.argmin(axis=0), own.argmax(axis=0), _spread(own)])
+        middles = points[faces[faced[_spread(faced)]]].mean(axis=1)
+        starts.append(np.concatenate([own[np.unique(chosen)], middles]))
+        source.append(np.full(len(starts[-1]), number))
+        near.append(np.full(len(starts[-1]), NEAR * np.ptp(own, axis=0).max()))
     return np.concatenate(starts), np.concatenate(source), np.concatenate(near)
+
+
+def _spread(rows):
+    return np.linspace(0, len(rows) - 1, SPREAD).astype(int)
+
+
+def _list_by(group, wanted):
+    """The members of each wanted group: list of arrays."""
+    order = np.argsort(group, kind="stable")
+    runs = np.searchsorted(group[order], np.stack([wanted, wanted + 1], axis=1)).tolist()
+    return [order[first:end] for first, end in runs]
 
 
 def find_parent(around, unsure, size):
