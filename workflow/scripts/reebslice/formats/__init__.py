@@ -1,0 +1,1 @@
+"""File formats: the only place of the library that opens files."""
