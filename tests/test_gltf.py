@@ -5,8 +5,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from gltf_files import BOX, BYTE, CORNERS, FLOAT, SHORT, SIDES, UBYTE, UINT, USHORT, Builder, measure, skinned
 
+from gltf_files import BOX, BYTE, CORNERS, FLOAT, SHORT, SIDES, UBYTE, UINT, USHORT, Builder, measure, skinned
 from reebslice.errors import MeshFormatError
 from reebslice.formats import gltf
 from reebslice.formats.gltf import list_companions, read_gltf

@@ -4,10 +4,10 @@ import json
 
 import numpy as np
 import pytest
-from gltf_files import CORNERS, FLOAT, UBYTE, Builder, pack_glb, skinned
 from hypothesis import Phase, given, settings
 from hypothesis import strategies as st
 
+from gltf_files import CORNERS, FLOAT, UBYTE, Builder, pack_glb, skinned
 from reebslice.errors import MeshFormatError
 from reebslice.formats.gltf import list_companions, read_gltf
 

@@ -1,11 +1,11 @@
 """Random glTF scenes: what is read is what a slow reading by the letter of the specification gives."""
 
 import numpy as np
-from gltf_files import BYTE, FLOAT, SHORT, SIDES, UBYTE, UINT, USHORT, Builder
 from hypothesis import Phase, given, settings
 from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
+from gltf_files import BYTE, FLOAT, SHORT, SIDES, UBYTE, UINT, USHORT, Builder
 from reebslice.formats.gltf import read_gltf
 
 SPANS = {BYTE: (-128, 127), UBYTE: (0, 255), SHORT: (-32768, 32767), USHORT: (0, 65535)}

@@ -186,7 +186,9 @@ def test_the_tables_do_not_depend_on_the_order_of_the_input():
     for variant in (solid, solids.permute(solid, 5)):
         mesh = mesh_of(variant)
         slices, _ = slice_surface(mesh, solids.connected_vertices(mesh), 0.1)
-        tables.append(contours_table(mesh, slices, solids.connected_vertices(mesh)).drop(["lower_vertex", "upper_vertex"]))
+        tables.append(
+            contours_table(mesh, slices, solids.connected_vertices(mesh)).drop(["lower_vertex", "upper_vertex"])
+        )
     assert tables[0].equals(tables[1])
 
 

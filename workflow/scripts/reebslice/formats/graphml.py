@@ -10,20 +10,53 @@ TYPES = {str: "string", int: "long", float: "double", bool: "boolean"}
 
 
 class Graph(NamedTuple):
-    """An undirected multigraph: nodes {name: attributes}, edges [(name, name, attributes)].
+    """An undirected multigraph.
 
-    Attributes map words to str, int, float or bool. An edge's attribute `id`
-    is its id in GraphML, too.
+    Attributes
+    ----------
+    nodes : dict
+        Attributes of every node by its name.
+    edges : list of (str, str, dict)
+        Names of both ends, and attributes. The attribute `id` is the edge's id
+        in GraphML, too. Attributes map words to str, int, float or bool.
     """
 
     nodes: dict
     edges: list
 
+    def to_networkx(self):
+        """Convert to networkx.
+
+        Returns
+        -------
+        networkx.MultiGraph
+            Nodes, edges, keys and attributes are those that networkx reads from
+            :func:`graphml_text` with ``force_multigraph=True``.
+        """
+        import networkx
+
+        graph = networkx.MultiGraph()
+        graph.add_nodes_from(self.nodes.items())
+        graph.add_edges_from((low, high, row["id"], row) for low, high, row in self.edges)
+        return graph
+
 
 def graphml_text(graph):
-    """The :class:`Graph` as GraphML, byte for byte as networkx 3 writes it with ids from the attribute `id`.
+    """Write a graph as GraphML, byte for byte as networkx 3 writes it with ids from the attribute `id`.
 
-    Every node has an attribute. Raises KeyError on one whose type is not in TYPES.
+    Parameters
+    ----------
+    graph : Graph
+        Every node has an attribute.
+
+    Returns
+    -------
+    str
+
+    Raises
+    ------
+    KeyError
+        An attribute is of a type that is not in `TYPES`.
     """
     keys, forms = {}, {}
     body = [f'<node id="{name}">\n{_data("node", row, keys, forms)}</node>\n' for name, row in graph.nodes.items()]

@@ -1,9 +1,10 @@
 """The exact Reeb graphs of a surface and of the solid that it bounds, from arrays, without a sampling distance."""
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 import scipy.sparse as sparse
+from numpy.typing import ArrayLike
 from scipy.sparse.csgraph import connected_components
 
 from ..arrays.grouping import group_of_members
@@ -13,61 +14,127 @@ from ..slicing.refinement import block_chains, exact_slices
 
 
 class ExactGraph(NamedTuple):
-    """A Reeb graph; K nodes, A arcs.
+    """A Reeb graph of K nodes and A arcs.
 
-    vertex : (K,) int32, the vertex at which each node lies, upward; a multiple
-        saddle is as many nodes as the simple saddles that it unfolds into.
-        Where a surface crosses itself, regions may meet at no critical point;
-        such a node has some vertex not far above.
-    height : (K,) float64, ascending
-    arcs : (A, 2) int32, places in `vertex`, the lower end first, in
-        lexicographic order; several arcs may join the same two nodes
+    Attributes
+    ----------
+    vertex : (K,) int32
+        The vertex at which each node lies, upward; a multiple saddle is as many
+        nodes as the simple saddles that it unfolds into. Where a surface crosses
+        itself, regions may meet at no critical point; such a node has some
+        vertex not far above.
+    height : (K,) float64
+        Ascending, mesh units.
+    arcs : (A, 2) int32
+        Places in `vertex`, the lower end first, in lexicographic order; several
+        arcs may join the same two nodes.
     """
 
     vertex: np.ndarray
     height: np.ndarray
     arcs: np.ndarray
 
+    def to_networkx(self):
+        """Convert to networkx.
 
-def exact_graphs(points, faces, rotation=None, body_of_vertex=None):
-    """The Reeb graphs of a surface and of its solid: two :class:`ExactGraph`.
+        Returns
+        -------
+        networkx.MultiGraph
+            Node k has the attributes `vertex` and `height`; edges are keyed by
+            the number of their arc, so parallel arcs are kept.
+        """
+        import networkx
 
-    points : (n, 3) float; faces : (m, 3) int, counter-clockwise seen from
-    outside, of a closed, edge-manifold, oriented surface without pinched
-    vertices (:mod:`.mesh.repairs` makes them of others); rotation : (3, 3), the
-    height is the third row of it times a point, by default z; body_of_vertex :
-    (n,) int, where several bodies may overlap, by default all are one.
+        graph = networkx.MultiGraph()
+        rows = zip(self.vertex.tolist(), self.height.tolist())
+        graph.add_nodes_from((k, {"vertex": vertex, "height": height}) for k, (vertex, height) in enumerate(rows))
+        graph.add_edges_from((low, high, number) for number, (low, high) in enumerate(self.arcs.tolist()))
+        return graph
 
-    The graph of the surface has every critical point of the height, equal
-    heights told apart by x, then y (simulation of simplicity). Its loops are
-    the genus. That of the solid is its quotient: each contour of a hole is one
-    with the outer contour around it. Left out there are pairs of critical
-    points at one height, inside flats, that cancel. Both are exact for any
-    surface that does not cross itself: nothing is sampled, and what is decided
-    by coordinates is decided in rational numbers where rounding leaves it
-    open. The solid's takes the contours of the fewest levels that cut every
-    arc, and of more only where several events in one part of the solid are
-    still between two levels. Time and memory grow as the mesh and, for the
-    solid, as the contours of those levels: little if the surface is smooth,
-    most of the time if noise makes critical points by the ten thousand.
 
-    Raises ValueError where a mesh edge has no twin, and TooManyCrossingsError where
-    the solid's would need hundreds of millions of points, as of white noise.
+def exact_graphs(
+    points: Any,
+    faces: ArrayLike | None = None,
+    rotation: ArrayLike | None = None,
+    body_of_vertex: ArrayLike | None = None,
+) -> tuple[ExactGraph, ExactGraph]:
+    """Build the Reeb graphs of a surface and of the solid that it bounds.
+
+    Both are exact for any surface that does not cross itself: nothing is
+    sampled, and what is decided by coordinates is decided in rational numbers
+    where rounding leaves it open. The solid's graph takes the contours of the
+    fewest levels that cut every arc, and of more only where several events in
+    one part of the solid are still between two levels. Time and memory grow as
+    the mesh and, for the solid, as the contours of those levels: little if the
+    surface is smooth, most of the time if noise makes critical points by the
+    ten thousand.
+
+    Parameters
+    ----------
+    points : (n, 3) float, mesh units
+        Or, with `faces` left out, a `trimesh.Trimesh` or a `pyvista.PolyData`.
+    faces : (m, 3) int
+        Counter-clockwise seen from outside, of a closed, oriented surface
+        without pinched vertices (:func:`inspect_surface` makes one of others).
+    rotation : (3, 3) float, optional
+        The height is its third row times a point; by default z.
+    body_of_vertex : (n,) int, optional
+        Bodies that may overlap; by default all are one.
+
+    Returns
+    -------
+    surface : ExactGraph
+        Every critical point of the height is a node, equal heights told apart by
+        x, then y (simulation of simplicity). Its loops are the genus.
+    solid : ExactGraph
+        The quotient in which each contour of a hole is one with the outer
+        contour around it. Pairs of critical points at one height, inside flats,
+        that cancel are left out.
+
+    Raises
+    ------
+    NotASolidError
+        The mesh is not as above; the message says where, and the cure.
+    TooManyCrossingsError
+        The solid's graph would need hundreds of millions of points, as of white
+        noise; :func:`surface_reeb_graph` needs none.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> points = np.array([[0, 0, 0], [1, 0, 0.1], [0, 1, 0.2], [0, 0, 1]])
+    >>> surface, solid = exact_graphs(points, [[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]])
+    >>> solid.height.tolist(), solid.arcs.tolist()
+    ([0.0, 1.0], [[0, 1]])
     """
     mesh = height_mesh(points, faces, rotation)
     graph = surface_reeb_graph(mesh)
     body = np.zeros(len(mesh.points), np.int32) if body_of_vertex is None else np.asarray(body_of_vertex)[mesh.vertex]
-    return _as_found(mesh, graph.nodes, graph.arcs), _as_found(mesh, *solid_reeb_graph(mesh, graph, body))
+    return _name_vertices(mesh, graph.nodes, graph.arcs), _name_vertices(mesh, *solid_reeb_graph(mesh, graph, body))
 
 
-def _as_found(mesh, ranks, arcs):
+def _name_vertices(mesh, ranks, arcs):
+    """The :class:`ExactGraph` of nodes that are given by their ranks."""
     return ExactGraph(mesh.vertex[ranks], mesh.points[ranks, 2], arcs)
 
 
 def solid_reeb_graph(mesh, graph, body_of_vertex):
-    """Nodes (K,) ranks, ascending, and arcs (A, 2), places in them, of the solid's Reeb graph.
+    """Build the Reeb graph of the solid from that of its surface.
 
-    graph : the mesh's :class:`reeb_graph.ReebGraph`; body_of_vertex : (n,).
+    Parameters
+    ----------
+    mesh : HeightMesh
+        Of n vertices.
+    graph : ReebGraph
+        Of the mesh.
+    body_of_vertex : (n,) int32
+
+    Returns
+    -------
+    nodes : (K,) int32
+        Ranks, ascending.
+    arcs : (A, 2) int32
+        Places in `nodes`, in lexicographic order.
     """
     slices = exact_slices(mesh, graph, body_of_vertex)
     node, block = _nodes_of_blocks(slices, critical_persistence(mesh, graph))

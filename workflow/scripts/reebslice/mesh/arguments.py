@@ -6,7 +6,7 @@ from ..errors import NotASolidError
 from ..kernels import njit
 from .faults import find_used, format_point
 
-READ = "reebslice.inspect_surface(points, faces)"
+MEND = "reebslice.inspect_surface(points, faces)"
 
 
 def take_mesh(points, faces=None):
@@ -38,14 +38,27 @@ def take_mesh(points, faces=None):
     """
     if faces is None:
         points, faces = _take_apart(points)
-    points, faces = _as_rows("points", points, float), _as_rows("faces", faces, int)
-    _check_ids(points, faces)
+    points, faces = _as_rows("points", points, np.number, "real numbers"), _as_rows("faces", faces, np.integer, "ids")
+    if faces.min() < 0 or faces.max() >= len(points):
+        face, corner = np.argwhere((faces < 0) | (faces >= len(points)))[0]
+        raise NotASolidError(
+            f"faces[{face}, {corner}] is {faces[face, corner]}, but points has the rows 0 to {len(points) - 1};"
+            " ids count from 0."
+        )
     points, faces = np.ascontiguousarray(points, np.float64), np.ascontiguousarray(faces, np.int32)
-    _check_finite(points, faces)
-    if _volume(points, faces) < 0:
+    volume = _sum_volume(points, faces)
+    if not np.isfinite(volume):
+        used = find_used(len(points), faces)
+        bad = used[~np.isfinite(points[used]).all(axis=1)]
+        if len(bad):
+            raise NotASolidError(
+                f"{len(bad)} points have coordinates that are not finite, the first is points[{bad[0]}] ="
+                f" {format_point(points[bad[0]])}; mend or remove them."
+            )
+    if volume < 0:
         raise NotASolidError(
             "The faces point inward: the volume they enclose is negative. Reverse their corners, faces[:, ::-1],"
-            f" or let {READ} turn them."
+            f" or let {MEND} turn them."
         )
     return points, faces
 
@@ -64,7 +77,7 @@ def _take_apart(mesh):
     )
 
 
-def _as_rows(name, values, kind):
+def _as_rows(name, values, kind, what):
     """The argument as an array of rows of three numbers of this kind."""
     try:
         rows = np.asarray(values)
@@ -75,34 +88,23 @@ def _as_rows(name, values, kind):
         raise NotASolidError(f"{name} has the shape {rows.shape}; give an array of shape (n, 3){also}.")
     if not len(rows):
         raise NotASolidError(f"{name} is empty; a solid has at least four vertices and four faces.")
-    if not np.issubdtype(rows.dtype, np.integer if kind is int else np.number) or np.iscomplexobj(rows):
-        what = "whole numbers" if kind is int else "real numbers"
+    if not np.issubdtype(rows.dtype, kind) or np.iscomplexobj(rows):
         raise NotASolidError(f"{name} holds values of type {rows.dtype}; give {what}.")
     return rows
 
 
-def _check_ids(points, faces):
-    """Raise NotASolidError where a face names a point that does not exist."""
-    if faces.min() >= 0 and faces.max() < len(points):
-        return
-    face, corner = np.argwhere((faces < 0) | (faces >= len(points)))[0]
-    raise NotASolidError(
-        f"faces[{face}, {corner}] is {faces[face, corner]}, but points has the rows 0 to {len(points) - 1};"
-        " ids count from 0."
-    )
-
-
-def _check_finite(points, faces):
-    """Raise NotASolidError where a point that a face uses is not finite."""
-    if np.isfinite(points).all():
-        return
-    used = find_used(len(points), faces)
-    bad = used[~np.isfinite(points[used]).all(axis=1)]
-    if len(bad):
-        raise NotASolidError(
-            f"{len(bad)} points have coordinates that are not finite, the first is points[{bad[0]}] ="
-            f" {format_point(points[bad[0]])}; mend or remove them."
-        )
+@njit
+def _sum_volume(points, faces):
+    """Six times the signed volume, about a point of the surface, so that one far from the origin is as exact."""
+    x, y, z = points[faces[0, 0]]
+    total = 0.0
+    for f in range(len(faces)):
+        a, b, c = faces[f, 0], faces[f, 1], faces[f, 2]
+        ax, ay, az = points[a, 0] - x, points[a, 1] - y, points[a, 2] - z
+        bx, by, bz = points[b, 0] - x, points[b, 1] - y, points[b, 2] - z
+        cx, cy, cz = points[c, 0] - x, points[c, 1] - y, points[c, 2] - z
+        total += ax * (by * cz - bz * cy) + ay * (bz * cx - bx * cz) + az * (bx * cy - by * cx)
+    return total
 
 
 def explain_open(points, faces):
@@ -124,25 +126,53 @@ def explain_open(points, faces):
     _, place, count = np.unique(along, return_inverse=True, return_counts=True)
     edge = np.flatnonzero((count[place] > 1) | ~np.isin(along, back))[0]
     where = " to ".join(f"points[{end}] = {format_point(points[end])}" for end in (tails[edge], heads[edge]))
-    if len(np.unique(points, axis=0)) < len(points):
+    corners = points[find_used(len(points), faces)]
+    if len(np.unique(corners, axis=0)) < len(corners):
         return NotASolidError(
             f"The surface is open along the mesh edge from {where}, and some points coincide: corners are not"
-            f" merged, as in an STL file. {READ} merges them."
+            f" merged, as in an STL file. {MEND} merges them."
         )
     return NotASolidError(
         f"The mesh edge from {where} does not lie in two faces that run along it in opposite directions: the surface"
-        f" is open, branches, or is not oriented. {READ} repairs what it can and says what it cannot."
+        f" is open, branches, or is not oriented. {MEND} repairs what it can and says what it cannot."
     )
 
 
+def check_fans(points, faces, twins):
+    """Raise NotASolidError where the faces around a vertex are more than one fan.
+
+    Parameters
+    ----------
+    points : (n, 3) float64
+    faces : (m, 3) int32
+        Of a closed surface; every point is in some face.
+    twins : (3 m,) int32
+        The opposite half-edge of every half-edge.
+    """
+    vertex = _find_pinch(faces.ravel(), twins, len(points))
+    if vertex >= 0:
+        raise NotASolidError(
+            f"Sheets touch in the vertex at {format_point(points[vertex])}: the faces around it are more than one fan."
+            f" {MEND} takes them apart."
+        )
+
+
 @njit
-def _volume(points, faces):
-    """Six times the signed volume, about a point of the surface, so that one far from the origin is as exact."""
-    x, y, z = points[faces[0, 0]]
-    total = 0.0
-    for a, b, c in faces:
-        ax, ay, az = points[a, 0] - x, points[a, 1] - y, points[a, 2] - z
-        bx, by, bz = points[b, 0] - x, points[b, 1] - y, points[b, 2] - z
-        cx, cy, cz = points[c, 0] - x, points[c, 1] - y, points[c, 2] - z
-        total += ax * (by * cz - bz * cy) + ay * (bz * cx - bx * cz) + az * (bx * cy - by * cx)
-    return total
+def _find_pinch(corners, twins, n):
+    """A vertex that the walk around one of its corners does not meet in all of them, -1 if there is none."""
+    left = np.zeros(n, np.int32)
+    for h in range(len(corners)):
+        left[corners[h]] += 1
+    for h in range(len(corners)):
+        v = corners[h]
+        if left[v] > 0:
+            g, met = h, 0
+            while True:
+                met += 1
+                g = twins[g - 1 + 3 * (g % 3 == 0)]  # leaves the vertex in the next face around it
+                if g == h:
+                    break
+            if met < left[v]:
+                return v
+            left[v] = 0
+    return -1

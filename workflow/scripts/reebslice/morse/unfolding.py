@@ -3,7 +3,7 @@
 import numpy as np
 from numba import njit
 
-from ..schemas import build_table
+from ..table_checks import build_table
 from .critical_points import vertex_indices
 from .ordered_mesh import HeightMesh, cross_at
 
