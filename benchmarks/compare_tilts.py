@@ -83,7 +83,7 @@ def compare_folder(folder, config):
     rows, warm = [], False
     for model, file in models.items():
         try:
-            tables, _ = inspect_surface(*read_mesh(file.path), config["inspect"])
+            tables, _ = inspect_surface(*read_mesh(file.path)[:2], config["inspect"])
         except MeshFormatError:
             continue
         if tables is None:
