@@ -24,6 +24,7 @@ READERS = {
     ".stp": ("step", "read_step"),
 }
 SUFFIXES = tuple(READERS)
+CHECKED = ("stl", "obj", "ply", "off")  # modules that name a fault by its line or facet themselves
 POINTER = b"version https://git-lfs"
 
 
@@ -68,7 +69,7 @@ def read_mesh(path):
             f"The file is damaged or not really {path.suffix.lower()} ({told}); export the mesh again."
         ) from error
     points = np.asarray(mesh.points, np.float64).reshape(-1, 3)
-    if fault := find_fault(points, mesh.faces):
+    if module not in CHECKED and (fault := find_fault(points, mesh.faces)):
         raise MeshFormatError(fault)
     return mesh._replace(points=points, faces=mesh.faces.astype(np.int32, copy=False))
 

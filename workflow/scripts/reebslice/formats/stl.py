@@ -46,7 +46,7 @@ def read_stl(path):
     else:
         points = _map_facets(path, count, size, needed)
         if size > needed:
-            notes = (f"{size - needed} bytes after the last facet were left out.",)
+            notes = (f"Bytes after the last facet were left out: {size - needed}.",)
     faces = np.arange(len(points), dtype=np.int32).reshape(-1, 3)
     if fault := find_fault(points, faces, _count_facets(text)):
         raise MeshFormatError(fault)
