@@ -84,7 +84,7 @@ def read(_, folder, name, __):
     from reebslice.formats.meshes import read_mesh
     from reebslice.mesh.merging import merge_exactly
 
-    merge_exactly(*read_mesh(folder / f"{name}.stl"))
+    merge_exactly(*read_mesh(folder / f"{name}.stl")[:2])
 
 
 def cut(_, folder, name, levels):

@@ -1,7 +1,9 @@
 """Read one mesh file, clean its surface, and accept or reject it.
 
 Writes the record `inspection.json`, also of a rejected mesh, and the surface
-that every later stage works on: `vertices`, `faces` and `shells`.
+that every later stage works on: `vertices`, `faces` and `shells`. Of the file
+the record tells the length `unit` of its coordinates, null where the format
+has none, and `notes`, sentences on what it holds besides this surface.
 """
 
 from pathlib import Path
@@ -19,11 +21,12 @@ def main(source, target, options):
     """Inspect the mesh file `source`; leave `OUTPUTS` in the folder `target`."""
     target = Path(target)
     try:
-        points, faces = read_mesh(source)
+        mesh = read_mesh(source)
     except MeshFormatError as error:
-        tables, inspection = None, blank_record(str(error))
+        tables, inspection = None, {**blank_record(str(error)), "unit": None, "notes": []}
     else:
-        tables, inspection = inspect_surface(points, faces, options)
+        tables, inspection = inspect_surface(mesh.points, mesh.faces, options)
+        inspection |= {"unit": mesh.unit, "notes": list(mesh.notes)}
     write_json(target / "inspection.json", inspection)
     if tables is None:
         raise Rejected(inspection["reason"])

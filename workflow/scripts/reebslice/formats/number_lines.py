@@ -5,6 +5,16 @@ from numba import njit
 
 from ..errors import NumberFormatError
 
+NEW_LINE, SPACE = b"\n "
+MARK = b"\xef\xbb\xbf"  # what some editors put before UTF-8 text
+
+
+def read_text(path):
+    """Return the bytes of a text file, its lines ended by line feeds whatever ends them in the file."""
+    data = path.read_bytes()
+    data = data.replace(b"\r\n", b"\n").replace(b"\r", b"\n")
+    return data[len(MARK) :] if data.startswith(MARK) else data
+
 
 def read_numbers(text, most=np.iinfo(np.int64).max):
     """Read the lines of a text, as bytes, that are not blank, and of those the first `most`.
@@ -25,24 +35,34 @@ def read_numbers(text, most=np.iinfo(np.int64).max):
     return numbers, widths
 
 
-def split_obj(data):
-    """Pick from OBJ, as bytes, what follows `v` and the numbers of vertices that follow `f`: two texts.
-
-    Raises `NumberFormatError` if there is anything else that makes a surface, or a line
-    that goes on in the next one.
-    """
-    vertices, faces, plain = _split_obj(np.frombuffer(data.replace(b"\r\n", b"\n").replace(b"\r", b"\n"), np.uint8))
-    if not plain:
-        raise NumberFormatError("the OBJ file has more than vertices and polygons")
-    return vertices.tobytes(), faces.tobytes()
+def describe_word(text, first_line):
+    """Return which line of a text, as bytes, holds the first word that is no number, counted from `first_line`."""
+    for number, line in enumerate(text.split(b"\n"), first_line):
+        for word in line.split():
+            if not is_number(word):
+                return f"Line {number} holds '{decode(word)}' where a number is due"
+    return "A word is not a number"
 
 
-NEW_LINE, SPACE, HASH, SLASH, BACKSLASH = b"\n #/\\"
-F, G, M, N, O, S, T, U, V = b"fgmnostuv"
+def is_number(word):
+    """Tell whether a word, as bytes, is a number (nan and inf among them)."""
+    try:
+        float(word)
+    except ValueError:
+        return False
+    return b"_" not in word
+
+
+def decode(words):
+    """Return bytes as the text of a message, at most 60 letters of it."""
+    text = words.decode("utf-8", "replace").strip()
+    text = "".join(letter if letter.isprintable() else " " for letter in text)
+    return text if len(text) <= 60 else text[:57] + "..."
 
 
 @njit(cache=True, inline="always")
-def _is_blank(letter):
+def is_blank(letter):
+    """Tell whether a byte is white space."""
     return letter == SPACE or 9 <= letter <= 13
 
 
@@ -60,51 +80,9 @@ def _count_words(letters, most):
                 if lines == most:
                     return widths[:lines].copy(), i
             blank = True
-        elif _is_blank(letters[i]):
+        elif is_blank(letters[i]):
             blank = True
         else:
             words += blank
             blank = False
     return widths[:lines].copy(), len(letters)
-
-
-@njit(cache=True)
-def _split_obj(letters):
-    """The text after `v` and that after `f` without what follows slashes; and whether there is nothing else."""
-    n, i = len(letters), 0
-    vertices, faces = np.empty(n + 1, np.uint8), np.empty(n + 1, np.uint8)
-    n_vertices = n_faces = 0
-    while i < n:
-        while i < n and letters[i] != NEW_LINE and _is_blank(letters[i]):
-            i += 1
-        first, second = letters[i] if i < n else NEW_LINE, letters[i + 1] if i + 1 < n else NEW_LINE
-        alone = _is_blank(second)
-        vertex, face = first == V and alone, first == F and alone
-        passed = first == NEW_LINE or first == HASH or (first == V and (second == T or second == N))
-        passed |= (first == G or first == O or first == S) and alone
-        passed |= (first == U and second == S) or (first == M and second == T)  # usemtl, mtllib
-        if not (vertex or face or passed):
-            return vertices[:0], faces[:0], False
-        i += 1 if vertex or face else 0
-        told, commented = True, False
-        while i < n and letters[i] != NEW_LINE:
-            letter = letters[i]
-            commented |= letter == HASH
-            if letter == BACKSLASH and not commented:
-                return vertices[:0], faces[:0], False
-            told = (told or _is_blank(letter)) and not (face and letter == SLASH)
-            if told and not commented and vertex:
-                vertices[n_vertices] = letter
-                n_vertices += 1
-            elif told and not commented and face:
-                faces[n_faces] = letter
-                n_faces += 1
-            i += 1
-        i += 1
-        if vertex:
-            vertices[n_vertices] = NEW_LINE
-            n_vertices += 1
-        elif face:
-            faces[n_faces] = NEW_LINE
-            n_faces += 1
-    return vertices[:n_vertices].copy(), faces[:n_faces].copy(), True

@@ -1,151 +1,233 @@
-"""Points and triangles of the text or the bytes of files that hold polygons: OFF, PLY, OBJ."""
+"""Cut polygons into triangles: the same ones from any first corner, and of either winding.
 
-import re
+A polygon is laid flat along its Newell normal, in an order of its corners that depends on their coordinates alone.
+Convex ones are cut as a fan, quads along a diagonal; all others by mapbox-earcut, and where that leaves corners out
+(repeated ones, spikes) or folds, by manifold3d, whose triangles always keep the whole outline. No vertex is added, so
+what was closed stays closed.
+
+References: https://github.com/mapbox/earcut, https://github.com/elalish/manifold.
+"""
 
 import numpy as np
+from numba import njit
 
-from ..errors import MeshFormatError, NumberFormatError
-from .number_lines import read_numbers, split_obj
+from ..errors import MeshFormatError
+from ..mesh.faults import COUNTED_FROM_0, find_fault
+from .flat_polygons import lay_flat
+from .mesh_file import MeshFile
 
-
-def take_polygons(numbers, widths, n_points, n_faces):
-    """Points and triangles of lines of numbers: `n_points` positions, then `n_faces` polygons, sizes first."""
-    begin = np.cumsum(widths) - widths
-    if (widths[:n_points] < 3).any():
-        raise MeshFormatError("A vertex has fewer than three coordinates; export the mesh again.")
-    points = numbers[begin[:n_points, None] + np.arange(3)]
-    widths, begin = widths[n_points : n_points + n_faces], begin[n_points : n_points + n_faces]
-    sizes = numbers[begin].astype(np.int64)
-    if (sizes >= widths).any():
-        raise MeshFormatError("A face names fewer vertices than it declares; export the mesh again.")
-    sizes = np.maximum(sizes, 0)
-    corner = np.repeat(begin + 1 - np.cumsum(sizes) + sizes, sizes) + np.arange(sizes.sum())
-    ids = numbers[corner].astype(np.int64)
-    if (ids != numbers[corner]).any():
-        raise MeshFormatError("A face names a vertex by something that is not a whole number; export the mesh again.")
-    return points, fan_polygons(ids, sizes)
+BENT = 1e-3  # of a polygon's size: corners farther from its plane are told
+FOLDED = 1e-6  # of a polygon's size squared: triangles may cover no more than this beyond the polygon's area
+STRAIGHT = 1e-9  # sine: a flatter corner is no ear for sure
+EASY, HARD, CROSSED = range(3)
 
 
-def fan_polygons(corners, sizes):
-    """Cut polygons into triangles that share the first corner.
+def build_mesh(points, corners, sizes, names=COUNTED_FROM_0, notes=()):
+    """Return the mesh of polygons, checked.
 
-    corners : ids, polygon after polygon; sizes : corners of each polygon.
-    Polygons of fewer than three corners give none.
+    Parameters
+    ----------
+    points : (n, 3) float64
+    corners : (c,) int, ids of points, polygon after polygon.
+    sizes : (k,) int, corners of each polygon; those of fewer than three are left out, and told.
+    names : Names, how the file counts.
+    notes : sentences that go before those on the polygons.
 
-    >>> fan_polygons(np.array([4, 5, 6, 7]), np.array([4])).tolist()
-    [[4, 5, 6], [4, 6, 7]]
+    Raises
+    ------
+    MeshFormatError
+        Ids that do not exist, coordinates that are not finite or beyond what
+        areas can be multiplied of, polygons that cross themselves, or no polygons.
     """
     sizes = np.asarray(sizes, np.int64)
-    if sizes.sum() != len(corners):
-        raise MeshFormatError("A face names fewer vertices than it declares; export the mesh again.")
-    start = np.cumsum(sizes) - sizes
-    triangles = np.maximum(sizes - 2, 0)
-    polygon = np.repeat(np.arange(len(sizes)), triangles)
-    step = np.arange(len(polygon)) - np.repeat(np.cumsum(triangles) - triangles, triangles)
-    first = start[polygon]
-    return np.asarray(corners)[np.column_stack([first, first + step + 1, first + step + 2])]
-
-
-def read_triangles(head, body):
-    """Read PLY of scalar vertex properties followed by faces that are all triangles; None if it is not."""
-    layout = re.search(_PLY_LAYOUT.format("face", "vertex_(?:index|indices)") + _PLY_REST, head)
-    if not layout or "element" in head[: layout.start()]:
-        return None
-    n_points, n_faces = int(layout[1]), int(layout[3])
-    properties, more = (re.findall(r"property (\w+) (\w+)", layout[k]) for k in (2, 6))
-    names = [name for _, name in properties]
-    kinds = {layout[4], layout[5], *(kind for kind, _ in properties + more)}
-    if not {"x", "y", "z"} <= set(names) or len(set(names)) < len(names) or not kinds <= set(_PLY_TYPES):
-        return None
-    if "format ascii" in head:
-        try:
-            numbers, widths = read_numbers(body, n_points + n_faces)
-        except NumberFormatError:
-            return None
-        if len(widths) < n_points + n_faces or (widths[:n_points] != len(names)).any():
-            return None
-        table = numbers[: n_points * len(names)].reshape(-1, len(names)).T
-        kinds = [_PLY_TYPES[kind] for kind, _ in properties]  # a float is one, however many digits it is told in
-        points = np.column_stack([table[k].astype(kinds[k]) for k in (names.index(axis) for axis in "xyz")])
-        return points, take_polygons(numbers[n_points * len(names) :], widths[n_points:], 0, n_faces)[1]
-    order = ">" if "big_endian" in head else "<"
-    vertex = np.dtype([(name, order + _PLY_TYPES[kind]) for kind, name in properties])
-    face = [("size", order + _PLY_TYPES[layout[4]]), ("corners", order + _PLY_TYPES[layout[5]], 3)]
-    face = np.dtype(face + [(f"_{name}", order + _PLY_TYPES[kind]) for kind, name in more])
-    if len(body) < n_points * vertex.itemsize + n_faces * face.itemsize:
-        return None
-    faces = np.frombuffer(body, face, n_faces, n_points * vertex.itemsize)
-    if (faces["size"] != 3).any():
-        return None
-    table = np.frombuffer(body, vertex, n_points)
-    return np.column_stack([table[name] for name in "xyz"]), faces["corners"]
-
-
-_PLY_LAYOUT = r"element vertex (\d+)\s+((?:property \w+ \w+\s+)+)element {} (\d+)\s+property list (\w+) (\w+) {}\s*"
-_PLY_REST = r"((?:property \w+ \w+\s+)*)(?:element|$)"
-
-
-def read_strips(head, body):
-    """Read PLY of scalar vertex properties followed by one list of triangle strips."""
-    layout = re.search(_PLY_LAYOUT.format("tristrips", r"\w+") + r"(?:element edge 0\b|$)", head)
-    if not layout:
-        raise MeshFormatError(
-            "The PLY file stores triangle strips among other elements, which is not supported;"
-            " export the mesh with ordinary faces."
+    if fault := find_fault(points, corners, names, sizes):
+        raise MeshFormatError(fault)
+    corners, told = corners.astype(np.int32, copy=False), list(notes)
+    short = np.flatnonzero(sizes < 3)
+    if len(short):
+        told.append(
+            f"{len(short)} faces of fewer than three corners were left out, the first is {names.face(short[0])}."
         )
-    n_points, n_strips = int(layout[1]), int(layout[3])
-    properties = re.findall(r"property (\w+) (\w+)", layout[2])
-    columns = [name for _, name in properties].index("x") + np.arange(3)
-    if "format ascii" in head:
-        words = np.array(body.split(), dtype=np.float64)
-        points = words[: n_points * len(properties)].reshape(n_points, -1)[:, columns]
-        return points, cut_strips(words[n_points * len(properties) :].astype(np.int64), n_strips)
-    order = ">" if "big_endian" in head else "<"
-    vertex = np.dtype([(name, order + _PLY_TYPES[kind]) for kind, name in properties])
-    table = np.frombuffer(body, vertex, n_points)
-    if _PLY_TYPES[layout[4]][1:] != "4" or _PLY_TYPES[layout[5]][1:] != "4":
-        raise MeshFormatError("Triangle strips of this width are not supported; export ordinary faces.")
-    strips = np.frombuffer(body[n_points * vertex.itemsize :], order + "i4").astype(np.int64)
-    return np.column_stack([table[name] for name in "xyz"]), cut_strips(strips, n_strips)
+        corners, numbers = corners[np.repeat(sizes >= 3, sizes)], np.flatnonzero(sizes >= 3)
+        sizes, whole = sizes[numbers], names
+        names = names._replace(face=lambda k: whole.face(numbers[k]))
+    if not len(sizes):
+        raise MeshFormatError(f"The file holds no faces of three corners or more. {' '.join(told)}")
+    faces, more = cut_polygons(points, corners, sizes, names)
+    return MeshFile(points, faces, None, (*told, *more))
 
 
-_PLY_TYPES = dict(char="i1", uchar="u1", short="i2", ushort="u2", int="i4", uint="u4")
-_PLY_TYPES.update(float="f4", double="f8", float32="f4", float64="f8")
-_PLY_TYPES.update(int8="i1", uint8="u1", int16="i2", uint16="u2", int32="i4", uint32="u4")
+def cut_polygons(points, corners, sizes, names=COUNTED_FROM_0):
+    """Cut polygons into triangles.
 
+    Parameters
+    ----------
+    points : (n, 3) float64, finite.
+    corners : (c,) int32, ids of points, polygon after polygon.
+    sizes : (k,) int64, corners of each polygon, three at least. A hole may be given by a bridge, two mesh edges in
+        one place, to the outline.
+    names : Names, how the file counts.
 
-def cut_strips(words, n_strips):
-    """Cut `n_strips` lists (length, ids; -1 ends a strip) into triangles of one winding.
+    Returns
+    -------
+    faces : (c - 2 k, 3) int32
+        Polygon after polygon, wound as it is. In the plane of the polygon no triangle is turned over. A convex quad is
+        cut along its shorter diagonal, another one along the diagonal that does not fold.
+    notes : list of str
+        How many polygons are bent, that is have corners off their plane by more than `BENT`.
 
-    >>> cut_strips(np.array([6, 0, 1, 2, 3, -1, 9]), 1).tolist()
-    [[0, 1, 2], [2, 1, 3]]
+    Raises
+    ------
+    MeshFormatError
+        The outline of a polygon crosses itself, so that its triangles would fold.
+
+    Examples
+    --------
+    >>> points = np.array([[0, 0, 0], [2, 0, 0], [0.5, 0.5, 0], [0, 2, 0]])
+    >>> cut_polygons(points, np.array([0, 1, 2, 3], np.int32), np.array([4]))[0].tolist()
+    [[0, 1, 2], [0, 2, 3]]
     """
-    at, lists = 0, []
-    for _ in range(n_strips):
-        length = words[at]
-        lists += [words[at + 1 : at + 1 + length], [-1]]
-        at += 1 + length
-    ids = np.concatenate(lists)
-    breaks = np.flatnonzero(ids == -1)
-    begin = np.concatenate([[0], breaks + 1])[np.searchsorted(breaks, np.arange(len(ids)))]
-    odd = (np.arange(len(ids)) - begin) % 2 == 1
-    triangles = np.column_stack([ids[:-2], ids[1:-1], ids[2:]])
-    triangles[odd[:-2]] = triangles[odd[:-2]][:, [1, 0, 2]]
-    return triangles[(triangles >= 0).all(axis=1)]
+    if (sizes == 3).all():
+        return corners.reshape(-1, 3), []
+    states, bends, faces = _cut_all(points, corners, sizes)
+    begin = np.cumsum(sizes) - sizes
+    for k in np.flatnonzero(states):
+        triangles = _cut_hard(points, corners[begin[k] : begin[k] + sizes[k]]) if states[k] == HARD else None
+        if triangles is None:
+            raise MeshFormatError(
+                f"The outline of {names.face(k)}, a polygon of {sizes[k]} corners, crosses itself, so that it has no"
+                " inside; cut it into triangles in the program that wrote the file."
+            )
+        row = begin[k] - 2 * k
+        faces[row : row + len(triangles)] = triangles
+    bent = np.flatnonzero(bends > BENT)
+    if not len(bent):
+        return faces, []
+    worst = bent[np.argmax(bends[bent])]
+    return faces, [
+        f"{len(bent)} of {np.count_nonzero(sizes > 3)} polygons are bent, that is their corners leave a plane by more"
+        f" than {BENT:.1%} of their size, the first is {names.face(bent[0])}; at most it is {bends[worst]:.2%}, in"
+        f" {names.face(worst)}. How they are cut into triangles decides the surface."
+    ]
 
 
-def parse_obj(data):
-    """Return points and triangles of OBJ, as bytes; None unless it is plain and sound."""
-    try:
-        vertices, faces = split_obj(data)
-        (numbers, widths), (ids, sizes) = read_numbers(vertices), read_numbers(faces)
-    except NumberFormatError:
-        return None
-    if len(widths) != vertices.count(b"\n") or len(sizes) != faces.count(b"\n"):
-        return None
-    if widths.min(initial=3) < 3 or sizes.min(initial=3) < 3 or not len(sizes) or not np.isfinite(numbers).all():
-        return None
-    if ids.min() < 1 or ids.max() > len(widths) or (ids != np.floor(ids)).any():
-        return None
-    points = numbers[(np.cumsum(widths) - widths)[:, None] + np.arange(3)]
-    return points, fan_polygons(ids.astype(np.int64) - 1, sizes)
+@njit(cache=True)
+def _cut_all(points, corners, sizes):
+    """Cut all polygons that need no search: what is left to do (k,) int8, the bends (k,), the triangles."""
+    states, bends = np.zeros(len(sizes), np.int8), np.zeros(len(sizes))
+    faces = np.empty((len(corners) - 2 * len(sizes), 3), np.int32)
+    most = sizes.max()
+    order, places = np.empty(most, np.int32), np.empty((most, 2))
+    begin = row = 0
+    for k in range(len(sizes)):
+        n = sizes[k]
+        if n == 3:
+            for c in range(3):
+                faces[row, c] = corners[begin + c]
+        else:
+            flat = lay_flat(points, corners[begin : begin + n], order, places)
+            bends[k] = flat.bend
+            states[k] = _cut_one(order[:n], places, flat, faces[row : row + n - 2])
+        begin, row = begin + n, row + n - 2
+    return states, bends, faces
+
+
+@njit(cache=True)
+def _cut_one(order, places, flat, triangles):
+    """Cut a quad, a convex polygon or one that has no area."""
+    n, first = len(order), 0
+    if flat.area == 0.0:
+        if flat.spread > FOLDED * flat.reach:
+            return CROSSED
+    elif n == 4:
+        first = _choose_diagonal(places, flat)
+        if first < 0:
+            return CROSSED
+    elif not _is_convex(places, n):
+        return HARD
+    for t in range(n - 2):
+        b, c = (first + t + 1) % n, (first + t + 2) % n
+        if flat.turned:
+            b, c = c, b
+        triangles[t, 0], triangles[t, 1], triangles[t, 2] = order[first], order[b], order[c]
+    return EASY
+
+
+@njit(cache=True)
+def _choose_diagonal(places, flat):
+    """Choose the corner, 0 or 1, whose diagonal cuts a quad best; -1 if both fold."""
+    from_0 = min(_turn(places, 0, 1, 2), _turn(places, 2, 3, 0))
+    from_1 = min(_turn(places, 1, 2, 3), _turn(places, 3, 0, 1))
+    if max(from_0, from_1) < -FOLDED * flat.reach:
+        return -1
+    if min(from_0, from_1) > STRAIGHT * flat.area:
+        return 0 if _span(places, 0, 2) <= _span(places, 1, 3) else 1
+    return 0 if from_0 >= from_1 else 1
+
+
+@njit(cache=True)
+def _is_convex(places, n):
+    """Tell whether every corner turns left, and all of them once around."""
+    rounds = 0
+    for i in range(n):
+        j, k = (i + 1) % n, (i + 2) % n
+        turn = _turn(places, i, j, k)
+        if turn <= 0 or turn * turn <= STRAIGHT**2 * _span(places, i, j) * _span(places, j, k):
+            return False
+        rounds += not _goes_up(places, i, j) and _goes_up(places, j, k)
+    return rounds == 1
+
+
+@njit(cache=True)
+def _turn(places, a, b, c):
+    """Twice the signed area of a triangle."""
+    return (places[b, 0] - places[a, 0]) * (places[c, 1] - places[a, 1]) - (places[b, 1] - places[a, 1]) * (
+        places[c, 0] - places[a, 0]
+    )
+
+
+@njit(cache=True)
+def _span(places, a, b):
+    return (places[b, 0] - places[a, 0]) ** 2 + (places[b, 1] - places[a, 1]) ** 2
+
+
+@njit(cache=True)
+def _goes_up(places, a, b):
+    rise = places[b, 1] - places[a, 1]
+    return rise > 0 or (rise == 0 and places[b, 0] > places[a, 0])
+
+
+def _cut_hard(points, ids):
+    """Cut one polygon by a library; None if the triangles of none fit its outline."""
+    order, places = np.empty(len(ids), np.int32), np.empty((len(ids), 2))
+    flat = lay_flat(points, ids, order, places)
+    for clip in (_clip_ears, _clip_surely):
+        triangles = clip(places)
+        if _fit(places, triangles, flat):
+            return order[triangles[:, ::-1] if flat.turned else triangles]
+    return None
+
+
+def _clip_ears(places):
+    import mapbox_earcut  # few files come here
+
+    return mapbox_earcut.triangulate_float64(places, np.array([len(places)], np.uint32)).reshape(-1, 3).astype(np.int64)
+
+
+def _clip_surely(places):
+    import manifold3d
+
+    return manifold3d.triangulate([places], -1, False).astype(np.int64)
+
+
+def _fit(places, triangles, flat):
+    """Tell whether triangles have all mesh edges of the outline and do not fold."""
+    n = len(places)
+    if len(triangles) != n - 2:
+        return False
+    edges = triangles * n + np.roll(triangles, -1, axis=1)
+    if not np.isin(np.arange(n) * n + np.roll(np.arange(n), -1), edges).all():
+        return False
+    a, b, c = (places[corner] for corner in triangles.T)
+    areas = (b - a)[:, 0] * (c - a)[:, 1] - (b - a)[:, 1] * (c - a)[:, 0]
+    return np.abs(areas).sum() - flat.area <= FOLDED * flat.reach
