@@ -3,6 +3,8 @@
 import numpy as np
 from numba import njit
 
+from ..arrays.sorting import find_starts, sort_by_counting
+
 
 def height_order(points):
     """Surface vertices (n,) in ascending order of (z, x, y, id)."""
@@ -68,23 +70,27 @@ def _sort_faces(faces, rank):
 
 @njit(cache=True)
 def sort_faces(faces, n):
-    """Faces (m, 3) int32 of n vertices in lexicographic order, no two with the same first and second corner.
+    """Sort faces lexicographically: by counting on the first corner, then the few faces that share it.
 
-    A counting sort by the first corner, then a sort of the few faces that share it.
+    Parameters
+    ----------
+    faces : (m, 3) int32
+        No two with the same first and second corner.
+    n : int
+        Bound of the ids.
+
+    Returns
+    -------
+    (m, 3) int32
     """
-    start, out = np.zeros(n + 1, np.int32), np.empty(faces.shape, np.int32)
+    ends, out, first = find_starts(faces[:, 0], n), np.empty(faces.shape, np.int32), 0
     for f in range(len(faces)):
-        start[faces[f, 0] + 1] += 1
-    for v in range(n):
-        start[v + 1] += start[v]
-    for f in range(len(faces)):
-        place = start[faces[f, 0]]
-        start[faces[f, 0]] += 1
+        place = ends[faces[f, 0]]
+        ends[faces[f, 0]] += 1
         out[place, 0], out[place, 1], out[place, 2] = faces[f, 0], faces[f, 1], faces[f, 2]
-    first = 0
     for v in range(n):
-        _sort_fan(out, first, start[v])
-        first = start[v]
+        _sort_fan(out, first, ends[v])
+        first = ends[v]
     return out
 
 
@@ -131,18 +137,11 @@ def _sort_corners(faces):
 @njit(cache=True)
 def _order_triples(a, b, c, bound):
     """Argsort, stable and lexicographic, of triples: by counting on `a`, below `bound`, then of the few with it."""
-    start, order = np.zeros(bound + 1, np.int32), np.empty(len(a), np.int32)
-    for number in a:
-        start[number + 1] += 1
-    for number in range(bound):
-        start[number + 1] += start[number]
-    for i in range(len(a)):
-        order[start[a[i]]] = i
-        start[a[i]] += 1
+    order, ends = sort_by_counting(a, np.arange(len(a), dtype=np.int32), bound)
     begin = 0
     for number in range(bound):
-        _sort_few(order, begin, start[number], b, c)
-        begin = start[number]
+        _sort_few(order, begin, ends[number], b, c)
+        begin = ends[number]
     return order
 
 
