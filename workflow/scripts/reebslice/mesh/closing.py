@@ -196,7 +196,16 @@ def _close_within_tolerance(points, start, largest):
 
 
 def find_distinct(faces):
-    """Tell which of the faces (m, 3) have three different corners, (m,) bool."""
+    """Tell which faces have three different corners.
+
+    Parameters
+    ----------
+    faces : (m, 3) int
+
+    Returns
+    -------
+    (m,) bool
+    """
     return _find_distinct(np.ascontiguousarray(faces, np.int32))
 
 
@@ -234,29 +243,54 @@ def glue(faces, n_vertices, numbering=None):
 
 
 def keep_faces(glued, kept):
-    """Return the gluing of the faces `kept` (m,) bool, which are whole components of a closed surface."""
+    """Keep some components of a closed surface.
+
+    Parameters
+    ----------
+    glued : Gluing
+        Closed.
+    kept : (m,) bool
+        The faces of those components.
+
+    Returns
+    -------
+    Gluing
+    """
     opposite = glued.opposite.reshape(-1, 3)[kept].ravel()
     number = (np.cumsum(kept) - 1).astype(np.int32)
     return Gluing(glued.faces[kept], 3 * number[opposite // 3] + opposite % 3)
 
 
 def is_closed(glued):
-    """Tell whether there are mesh edges, and each has exactly two faces."""
+    """Tell whether a `Gluing` has mesh edges, each with exactly two faces."""
     return glued.opposite is not None
 
 
 def find_open(glued):
-    """Return the mesh edges that have one face."""
+    """List the mesh edges of a `Gluing` that have one face, (e,) int64: places in its `starts`."""
     return np.flatnonzero([] if is_closed(glued) else np.diff(glued.starts) == 1)
 
 
 def find_crowded(glued):
-    """Return the mesh edges that have more than two faces."""
+    """List the mesh edges of a `Gluing` that have more than two faces, (e,) int64: places in its `starts`."""
     return np.flatnonzero([] if is_closed(glued) else np.diff(glued.starts) > 2)
 
 
 def list_ends(glued, edges):
-    """Return (e, 2) the two vertices, in order of id, of the given mesh edges."""
+    """List the vertices of mesh edges.
+
+    Parameters
+    ----------
+    glued : Gluing
+        Not closed.
+    edges : (e,) int
+        Places in its `starts`.
+
+    Returns
+    -------
+    (e, 2) int
+        The two vertices of each, in order of id.
+    """
     half_edges = glued.order[glued.starts[edges]]
     begin = glued.faces.ravel()[half_edges]
     end = np.roll(glued.faces, -1, axis=1).ravel()[half_edges]

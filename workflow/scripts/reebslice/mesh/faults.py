@@ -67,27 +67,9 @@ def find_used(n_points, faces):
 
 
 def format_point(point):
-    """Return a point as text, in as many digits as it takes to find it again.
+    """Return a point as text, in the fewest digits that give the same numbers when they are read.
 
-    Parameters
-    ----------
-    point : (3,) float
-
-    Returns
-    -------
-    str
-        Each coordinate in the fewest digits that read back as the same number:
-        in single precision, if it is one of those, as in binary STL.
-
-    Examples
-    --------
-    >>> format_point((4785273.2, 0.1, np.float32(0.1)))
-    '(4785273.2, 0.1, 0.1)'
+    >>> format_point([4785273.25, 0.1, 2.0])
+    '(4785273.25, 0.1, 2)'
     """
-    return "({})".format(", ".join(_format_number(float(x)) for x in point))
-
-
-def _format_number(x):
-    single = abs(x) < 3.4e38 and float(np.float32(x)) == x
-    kind = np.float32 if single else float
-    return next((text for digits in range(6, 17) if kind(text := f"{x:.{digits}g}") == x), f"{x:.17g}")
+    return "({})".format(", ".join(repr(float(x)).removesuffix(".0") for x in point))

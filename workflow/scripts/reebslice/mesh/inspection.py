@@ -81,7 +81,22 @@ def inspect_surface(points, faces, options=None):
 
 
 def check_options(options):
-    """Return the options with defaults filled in, or raise ValueError with the cure."""
+    """Fill in the defaults of `inspect_surface`'s options.
+
+    Parameters
+    ----------
+    options : dict or None
+        Keys that are none of the options are left out.
+
+    Returns
+    -------
+    dict
+
+    Raises
+    ------
+    ValueError
+        An option is out of its range; the message says what it may be.
+    """
     given = {key: value for key, value in (options or {}).items() if key in DEFAULTS}
     options = {**DEFAULTS, **given}
     options["repair"] = tuple(options["repair"] or ())
@@ -99,7 +114,17 @@ def check_options(options):
 
 
 def blank_record(reason):
-    """Return the inspection of a file that holds no usable mesh, for that reason: a dict as of `inspect_surface`."""
+    """Make the record of a file that holds no usable mesh.
+
+    Parameters
+    ----------
+    reason : str
+
+    Returns
+    -------
+    dict
+        As `inspect_surface` returns it.
+    """
     return asdict(Inspection(status="rejected", reason=reason))
 
 

@@ -7,7 +7,19 @@ from numba import njit
 
 
 def orient_faces(faces, turned):
-    """Turn over the faces (m, 3) that are `turned` (m,) bool, each from its first corner on; a new array if any is."""
+    """Turn over some faces, each from its first corner on.
+
+    Parameters
+    ----------
+    faces : (m, 3) int
+    turned : (m,) bool
+        The faces to turn over.
+
+    Returns
+    -------
+    (m, 3) int
+        A new array if any is turned over, else `faces` itself.
+    """
     if not turned.any():
         return faces
     wound = faces.copy()
@@ -81,9 +93,17 @@ def _cross(ax, ay, az, bx, by, bz):
 
 
 def count_collinear(points, faces):
-    """Count the faces (m, 3) whose three distinct corners, of points (n, 3), are in line to rounding.
+    """Count the faces whose three distinct corners are in line, to rounding.
 
     They carry no area, but without them the surface would be open.
+
+    Parameters
+    ----------
+    points, faces : (n, 3) float64 and (m, 3) int
+
+    Returns
+    -------
+    int
     """
     return _count_collinear(points, np.ascontiguousarray(faces, np.int32))
 
@@ -101,7 +121,17 @@ def _count_collinear(points, faces):
 
 
 def sum_volume_exactly(points, faces):
-    """Return the signed volume of closed faces (m, 3) over points (n, 3), correctly rounded."""
+    """Sum the signed volume of a closed surface in whole numbers.
+
+    Parameters
+    ----------
+    points, faces : (n, 3) float64 and (m, 3) int
+
+    Returns
+    -------
+    float
+        Correctly rounded.
+    """
     used, local = np.unique(faces, return_inverse=True)
     exact = [[Fraction(float(x)) for x in point] for point in points[used]]
     six = Fraction(0)

@@ -7,7 +7,18 @@ from ..arrays.sorting import find_starts, sort_by_counting
 
 
 def height_order(points):
-    """Surface vertices (n,) in ascending order of (z, x, y, id)."""
+    """Sort vertices by height, ties by the two other coordinates and then by id: simulation of simplicity.
+
+    Parameters
+    ----------
+    points : (n, 3) float64
+        Without -0.0 and NaN.
+
+    Returns
+    -------
+    (n,) int32
+        Vertices in ascending order of (z, x, y, id).
+    """
     z = np.ascontiguousarray(points[:, 2])
     order = np.argsort(z)
     tied = _order_few(order, np.ascontiguousarray(points))
@@ -47,10 +58,20 @@ def _vertex_comes_after(points, v, w):
 
 
 def canonical_faces(faces, rank):
-    """Faces (m, 3) in terms of ranks, the smallest first, in lexicographic order: (m, 3) int32.
+    """Write faces in ranks, each from its smallest on, and sort them.
 
-    rank : (n,) int32 of every vertex. No two faces may share a corner and
-    the one after it, as none of an oriented edge-manifold do.
+    Parameters
+    ----------
+    faces : (m, 3) int
+        No two share a corner and the one after it, as none of an oriented
+        edge-manifold do.
+    rank : (n,) int
+        The rank of every vertex.
+
+    Returns
+    -------
+    (m, 3) int32
+        In lexicographic order; the windings are kept.
     """
     return _sort_faces(np.ascontiguousarray(faces, dtype=np.int32), np.ascontiguousarray(rank, dtype=np.int32))
 
@@ -109,12 +130,22 @@ def _sort_fan(faces, first, end):
 
 
 def order_corners(faces, n_vertices):
-    """Return (m, 3) corners that put faces and their corners in canonical order.
+    """Find the corners that put faces and their corners in canonical order.
 
-    `faces.ravel()[corners]` are the same faces, each beginning at its smallest
-    id, in lexicographic order of the *unordered* triples: turning faces over
-    does not change their order, and faces with the same corners are neighbours;
-    of those, the ones that run 0, 1, 2 come before the ones that run 0, 2, 1.
+    Parameters
+    ----------
+    faces : (m, 3) int
+        Each with three different corners, below `n_vertices`.
+    n_vertices : int
+
+    Returns
+    -------
+    (m, 3) int32
+        `faces.ravel()[corners]` are the same faces, each beginning at its
+        smallest id, in lexicographic order of the *unordered* triples: turning
+        faces over does not change their order, and faces with the same corners
+        are neighbours; of those, the ones that run 0, 1, 2 come before the ones
+        that run 0, 2, 1.
     """
     first, *keys = _sort_corners(np.ascontiguousarray(faces, np.int32))
     return _turn_corners(_order_triples(*keys, n_vertices), first)

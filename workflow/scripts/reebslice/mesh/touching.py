@@ -193,7 +193,17 @@ def _dot(one, two):
 
 
 def lie_in_plane(points):
-    """Tell whether points (n, 3) float64 lie in one plane, exactly: no rounding is forgiven."""
+    """Tell whether points lie in one plane, exactly: no rounding is forgiven.
+
+    Parameters
+    ----------
+    points : (n, 3) float64
+        At least one.
+
+    Returns
+    -------
+    bool
+    """
     first, *others = _scale(points)[0]
     spokes = [[x - y for x, y in zip(point, first)] for point in others]
     axis = next((spoke for spoke in spokes if any(spoke)), (0, 0, 0))
