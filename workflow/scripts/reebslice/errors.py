@@ -20,9 +20,10 @@ class NotASolidError(ReebsliceError):
 class TouchingSheetsError(ReebsliceError):
     """Sheets touch along a mesh edge in such a way that it is not sure how they come apart."""
 
-    def __init__(self, message, edge=None):
+    def __init__(self, message, edge, cure):
         super().__init__(message)
         self.edge = edge
+        self.cure = cure
 
 
 class UnionError(ReebsliceError):

@@ -1,4 +1,8 @@
-"""Half-edges of triangles: half-edge h of face h // 3 runs from its corner h % 3 to the next."""
+"""Half-edges of triangles: half-edge h of face h // 3 runs from its corner h % 3 to the next.
+
+A mesh edge is a pair of vertices; its half-edges are those of the faces that
+share it. Half-edge h starts at corner h, so both bear one number.
+"""
 
 import numpy as np
 from numba import njit
@@ -7,12 +11,26 @@ from ..arrays.sorting import sort_stably
 
 
 def find_twins(faces, n_vertices):
-    """The opposite half-edge of every half-edge, (3 m,) int32.
+    """Find the opposite half-edge of every half-edge of a closed and oriented surface.
 
-    Raises ValueError if some mesh edge does not lie in exactly two faces that
-    run along it in opposite directions.
+    Parameters
+    ----------
+    faces : (m, 3) int
+        Vertex ids, below `n_vertices`.
+    n_vertices : int
+
+    Returns
+    -------
+    (3 m,) int32
+        An involution without fixed points; the two run in opposite directions.
+
+    Raises
+    ------
+    ValueError
+        If some mesh edge does not lie in exactly two faces that run along it in
+        opposite directions; the message names its vertices.
     """
-    twins, bad = _find_twins(np.ascontiguousarray(faces, dtype=np.int32), n_vertices)
+    twins, bad = _match(np.ascontiguousarray(faces, np.int32), n_vertices, True)
     if bad >= 0:
         face, corner = divmod(int(bad), 3)
         ends = faces[face, corner], faces[face, (corner + 1) % 3]
@@ -20,54 +38,81 @@ def find_twins(faces, n_vertices):
     return twins
 
 
-@njit(cache=True)
-def _find_twins(faces, n):
-    """Twins, and a half-edge that has none or more than one; -1 if all have one.
+def match_half_edges(faces, n_vertices):
+    """Find the other half-edge of every mesh edge, whichever way the faces are wound.
 
-    The half-edges with one lower end are chained, and each is met once by its twin.
+    Parameters
+    ----------
+    faces : (m, 3) int
+        Vertex ids, below `n_vertices`.
+    n_vertices : int
+
+    Returns
+    -------
+    (3 m,) int32 or None
+        None if some mesh edge does not lie in exactly two faces.
     """
-    m, ends = faces.shape[0], faces.ravel()
-    newest, older = np.full(n, -1, np.int32), np.empty(3 * m, np.int32)
-    for f in range(m):
+    opposite, bad = _match(np.ascontiguousarray(faces, np.int32), n_vertices, False)
+    return opposite if bad < 0 else None
+
+
+@njit(cache=True)
+def _match(faces, n, oriented):
+    """The other half-edge of each, (3m,) int32, and a half-edge without exactly one such; -1 if all have one.
+
+    The half-edges with one lower end are chained, and each is met once by the
+    other one with its upper end; if `oriented`, only by one that runs against it.
+    """
+    newest, older, tails = np.full(n, -1, np.int32), np.empty(faces.size, np.int32), faces.ravel()
+    for f in range(len(faces)):
         a, b, c = faces[f, 0], faces[f, 1], faces[f, 2]
         for k, low in ((0, min(a, b)), (1, min(b, c)), (2, min(c, a))):
-            older[3 * f + k] = newest[low]
-            newest[low] = 3 * f + k
-    twins = np.empty(3 * m, np.int32)
+            older[3 * f + k], newest[low] = newest[low], 3 * f + k
+    opposite = np.empty(len(tails), np.int32)
     met = np.full((n, 2), -1, np.int32)  # per upper end: the lower end last seen, the half-edge between, -1 if matched
     for v in range(n):
         h, single = newest[v], 0
         while h >= 0:
-            tail = ends[h]
-            upper = ends[h - 2 if h % 3 == 2 else h + 1] if tail == v else tail
+            tail = tails[h]
+            upper = tails[h - 2 if h % 3 == 2 else h + 1] if tail == v else tail
             g = met[upper, 1]
             if met[upper, 0] != v:
                 met[upper, 0], met[upper, 1] = v, h
                 single += 1
-            elif g < 0 or ends[g] == tail:
-                return twins, h
+            elif g < 0 or (oriented and tails[g] == tail):
+                return opposite, h
             else:
-                twins[g], twins[h], met[upper, 1] = h, g, -1
+                opposite[g], opposite[h], met[upper, 1] = h, g, -1
                 single -= 1
             h = older[h]
         if single > 0:
-            return twins, _first_single(ends, newest[v], older, met, v)
-    return twins, -1
+            return opposite, _first_single(tails, newest[v], older, met)
+    return opposite, -1
 
 
 @njit(cache=True)
-def _first_single(ends, h, older, met, v):
-    """A half-edge of the chain from h whose twin was not met."""
-    while met[ends[h - 2 if h % 3 == 2 else h + 1] if ends[h] == v else ends[h], 1] != h:
+def _first_single(tails, h, older, met):
+    """The first half-edge of the chain from h on whose other half-edge was not met."""
+    while met[max(tails[h], tails[ahead(h)]), 1] != h:
         h = older[h]
     return h
 
 
 def group_half_edges(faces, n_vertices):
-    """Group the half-edges by mesh edge.
+    """Group the half-edges by mesh edge, of which any number of faces may share one.
 
-    Returns `order`, (3m,) half-edges sorted by mesh edge, and `starts`, the
-    (e + 1,) offsets in it at which the mesh edges begin and end.
+    Parameters
+    ----------
+    faces : (m, 3) int
+        Vertex ids, below `n_vertices`.
+    n_vertices : int
+
+    Returns
+    -------
+    order : (3 m,) int64
+        Half-edges by mesh edge, that is by lower and then by upper end; those of one mesh edge ascend.
+    starts : (e + 1,) int64
+        Offsets in `order` at which the mesh edges begin and end.
     """
     low, high = _find_ends(np.ascontiguousarray(faces, np.int64))
     order = sort_stably((high, n_vertices), (low, n_vertices))
@@ -95,56 +140,26 @@ def _find_starts(low, high, order):
 
 
 def pair_half_edges(order):
-    """Return (3m,) int32 the other half-edge of each one, of half-edges (3m,) in pairs."""
+    """Turn a list of half-edges in pairs into a map from each half-edge to the other one.
+
+    Parameters
+    ----------
+    order : (3 m,) int
+        Half-edges, those at 2 i and 2 i + 1 belong together.
+
+    Returns
+    -------
+    (3 m,) int32
+    """
     opposite = np.empty(len(order), np.int32)
     opposite[order[0::2]] = order[1::2]
     opposite[order[1::2]] = order[0::2]
     return opposite
 
 
-def match_half_edges(faces, n_vertices):
-    """Return (3m,) int32 the other half-edge of each half-edge's mesh edge, or None if not all have two faces."""
-    opposite, complete = _match_half_edges(np.ascontiguousarray(faces, np.int32).ravel(), n_vertices)
-    return opposite if complete else None
-
-
-@njit(cache=True)
-def _match_half_edges(tails, n):
-    """The half-edges with one lower end are chained, and each looks for another one with its upper end."""
-    newest, older = np.full(n, -1, np.int32), np.empty(len(tails), np.int32)
-    for h in range(len(tails)):
-        low = min(tails[h], tails[_ahead(h)])
-        older[h], newest[low] = newest[low], h
-    opposite = np.empty(len(tails), np.int32)
-    met = np.full((n, 2), -1, np.int32)  # per upper end: the lower end last seen, the half-edge between, -1 if matched
-    for v in range(n):
-        h, single = newest[v], 0
-        while h >= 0:
-            upper = max(tails[h], tails[_ahead(h)])
-            g = met[upper, 1]
-            if met[upper, 0] != v:
-                met[upper, 0], met[upper, 1] = v, h
-                single += 1
-            elif g < 0:
-                return opposite, False
-            else:
-                opposite[g], opposite[h], met[upper, 1] = h, g, -1
-                single -= 1
-            h = older[h]
-        if single > 0:
-            return opposite, False
-    return opposite, True
-
-
-@njit(cache=True, inline="always")
-def _ahead(h):
-    """The next half-edge of the same face."""
-    return h + 1 - 3 * (h % 3 == 2)
-
-
 @njit(cache=True, inline="always")
 def ahead(h):
-    """The next half-edge of the same face, without a branch that would be foretold wrongly every third time."""
+    """The next half-edge of the same face, without a branch that the processor would mispredict every third time."""
     return h + 1 - 3 * (h % 3 == 2)
 
 
@@ -156,6 +171,7 @@ def behind(h):
 
 @njit(cache=True, inline="always")
 def head_of(corners, h):
+    """The vertex at which half-edge h ends; `corners` (3 m,) are the vertices at which they start."""
     return corners[ahead(h)]
 
 

@@ -4,14 +4,17 @@ Faces and corners as a file has them go in; one canonical surface comes out,
 with a record of what was found and repaired, or the reason why there is none.
 """
 
+from dataclasses import asdict
+
 import numpy as np
 from numba import njit
 
-from ..errors import NotASolidError, UnionError
+from ..errors import UnionError
 from ..table_checks import build_table
 from . import unions
 from .orders import sort_faces
-from .repairs import REPAIRS, clean_surface
+from .record import REPAIRS, Inspection
+from .repairs import clean_surface
 
 OVERLAPS = ("keep", "union")
 # What the record says of the file, whatever is united afterwards.
@@ -26,40 +29,74 @@ def inspect_surface(points, faces, options=None):
 
     Parameters
     ----------
-    points : (n, 3) float64, mesh units. Unused and repeated points are fine.
-    faces : (m, 3) ids of points.
+    points : (n, 3) float64, mesh units
+        Unused and repeated points are fine: faces are joined where the
+        positions of their corners are equal, whether they share points or not.
+    faces : (m, 3) int
+        Ids of points.
     options : dict, optional
-        `repair`: which of `REPAIRS` are allowed (default: all);
+        `repair`: which of `record.REPAIRS` are allowed (default: all);
         `merge_tolerance`: the largest distance, relative to the largest
-        extent, over which corners may be merged to close the surface;
-        `overlaps`: "keep" leaves bodies that overlap each as it is, "union"
-        unites them (`unions.unite_bodies`).
+        extent, over which corners may be merged to close the surface
+        (default: 1e-6); `overlaps`: "keep" (default) leaves bodies that overlap
+        each as it is, "union" unites them (`unions.unite_bodies`).
 
     Returns
     -------
-    tables : dict of the tables `vertices`, `faces`, `shells`; None if rejected.
-        The surface is closed, edge- and vertex-manifold and oriented, and does
-        not depend on the order of points, faces or corners in the input.
-        Sheets that touch are told apart; whether they cross is not looked at.
-    inspection : dict fit for JSON. `status` is "accepted" (as it stands),
-        "repaired" (`repairs` says how) or "rejected" (`reason` says why).
+    tables : dict of str to pyarrow.Table, or None
+        `vertices`, `faces` and `shells`, see `schemas`; None if the mesh is
+        rejected. The surface is closed, manifold at mesh edges and vertices,
+        and oriented, and does not depend on the order of points, faces or
+        corners in the input. Sheets that touch have vertices of their own;
+        whether sheets cross is not looked at.
+    inspection : dict
+        Fit for JSON, the fields of `record.Inspection`. `status` is "accepted"
+        (as it stands), "repaired" (`repairs` says how) or "rejected" (`reason`
+        says why).
+
+    Raises
+    ------
+    ValueError
+        An option is out of its range; not on account of the mesh.
+
+    Examples
+    --------
+    >>> points = [[0, 0, 0], [6, 0, 0], [0, 6, 0], [0, 0, 6]]
+    >>> tables, inspection = inspect_surface(points, [[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]])
+    >>> inspection["status"], inspection["euler_characteristic"], inspection["volume"]
+    ('accepted', 2, 36.0)
+    >>> inspect_surface(points, [[0, 2, 1]])[1]["closed"]
+    False
     """
     options = check_options(options)
-    record = blank_record()
-    try:
-        surface = clean_surface(np.asarray(points, np.float64), np.asarray(faces), options, record)
-        tables = _tabulate(*surface, record)
-        if options["overlaps"] == "union":
-            tables = _unite(tables, options, record)
-    except NotASolidError as error:
-        record.update(status="rejected", reason=str(error))
-        return None, record
-    record["status"] = "repaired" if record["repairs"] else "accepted"
-    return tables, record
+    surface, inspection = clean_surface(np.asarray(points, np.float64), np.asarray(faces), options)
+    if surface is None:
+        return None, asdict(inspection)
+    tables = _tabulate(surface, inspection)
+    if options["overlaps"] == "union":
+        tables, inspection = _unite(tables, options, inspection)
+    if tables is not None:
+        inspection.status = "repaired" if inspection.repairs else "accepted"
+    return tables, asdict(inspection)
 
 
 def check_options(options):
-    """Return the options with defaults filled in, or raise ValueError with the cure."""
+    """Fill in the defaults of `inspect_surface`'s options.
+
+    Parameters
+    ----------
+    options : dict or None
+        Keys that are none of the options are left out.
+
+    Returns
+    -------
+    dict
+
+    Raises
+    ------
+    ValueError
+        An option is out of its range; the message says what it may be.
+    """
     given = {key: value for key, value in (options or {}).items() if key in DEFAULTS}
     options = {**DEFAULTS, **given}
     options["repair"] = tuple(options["repair"] or ())
@@ -76,65 +113,78 @@ def check_options(options):
     return options
 
 
-def blank_record(reason=None):
-    """Return an inspection in which nothing is known yet but, with `reason`, that it failed."""
-    record = dict.fromkeys(
-        "status reason repairs n_vertices n_faces closed manifold oriented components genus"
-        " euler_characteristic voids tolerance area volume bounds collinear_faces"
-        " degenerate_faces_removed duplicate_faces_removed pinch_vertices_split".split()
-    )
-    record.update(repairs=[], status="rejected" if reason else None, reason=reason)
-    return record
+def blank_record(reason):
+    """Make the record of a file that holds no usable mesh.
+
+    Parameters
+    ----------
+    reason : str
+
+    Returns
+    -------
+    dict
+        As `inspect_surface` returns it.
+    """
+    return asdict(Inspection(status="rejected", reason=reason))
 
 
-def _unite(tables, options, record):
-    """Unite the bodies that overlap, and inspect the result as if it came from a file."""
+def _unite(tables, options, inspection):
+    """Unite the bodies that overlap, and inspect the result as if it came from a file; returns tables and record."""
     points = np.column_stack([tables["vertices"][axis] for axis in "xyz"])
     faces = np.column_stack([tables["faces"][corner] for corner in "abc"]).astype(np.int64)
     body = tables["shells"]["body"].to_numpy()[tables["faces"]["shell"].to_numpy()]
     try:
         united = unions.unite_bodies(points, faces, body)
     except UnionError as refusal:
-        raise NotASolidError(
+        inspection.reject(
             f"The bodies cannot be united: {refusal}; mend the mesh in an editor, or set inspect.overlaps to keep,"
             " which takes each body as it is."
         )
+        return None, inspection
     if united is None:
-        return tables
-    after = blank_record()
-    tables = _tabulate(*clean_surface(*united, options, after), after)
+        return tables, inspection
+    surface, after = clean_surface(*united, options)
+    if surface is None:
+        inspection.reject(after.reason)
+        return None, inspection
+    tables = _tabulate(surface, after)
     told = (
-        f"united overlapping bodies: {_count_bodies(record)} became {_count_bodies(after)},"
-        f" their volume {record['volume']:.6g} became {after['volume']:.6g}"
+        f"united overlapping bodies: {_count_bodies(inspection)} became {_count_bodies(after)}, their volume"
+        f" {inspection.volume:.6g} became {after.volume:.6g}, their vertices {inspection.n_vertices} became"
+        f" {after.n_vertices} and their faces {inspection.n_faces} became {after.n_faces}; bodies that meet in mere"
+        " mesh edges or vertices stay apart"
     )
-    repairs = [*record["repairs"], told, *after["repairs"]]
-    record.update({key: value for key, value in after.items() if key not in OF_THE_FILE}, repairs=repairs)
-    return tables
+    for name in OF_THE_FILE:
+        setattr(after, name, getattr(inspection, name))
+    after.repairs = [*inspection.repairs, told, *after.repairs]
+    return tables, after
 
 
-def _count_bodies(record):
-    return record["components"] - record["voids"]
+def _count_bodies(inspection):
+    return inspection.components - inspection.voids
 
 
-def _tabulate(points, faces, component, sides, record):
-    n_shells, shell_of_vertex = len(sides["areas"]), _label_vertices(faces, component, len(points))
+def _tabulate(surface, inspection):
+    """Return the tables of a surface, and note its figures."""
+    points, faces, component, sides = surface
+    n_shells, shell_of_vertex = len(sides.areas), _label_vertices(faces, component, len(points))
     n_faces = np.bincount(component, minlength=n_shells)
     n_vertices = np.bincount(shell_of_vertex, minlength=n_shells)
     faces = sort_faces(faces, len(points))
     euler = n_vertices - n_faces // 2  # three mesh edges for every two faces
     columns = dict(
         shell=np.arange(n_shells),
-        body=sides["body"],
-        parent=[None if one < 0 else int(one) for one in sides["parent"]],
-        void=sides["volumes"] < 0,
+        body=sides.body,
+        parent=[None if one < 0 else int(one) for one in sides.parent],
+        void=sides.volumes < 0,
         n_vertices=n_vertices,
         n_faces=n_faces,
         euler_characteristic=euler,
         genus=(2 - euler) // 2,
-        area=sides["areas"],
-        volume=sides["volumes"],
+        area=sides.areas,
+        volume=sides.volumes,
     )
-    record.update(
+    figures = dict(
         n_vertices=len(points),
         n_faces=len(faces),
         oriented=True,
@@ -142,9 +192,11 @@ def _tabulate(points, faces, component, sides, record):
         genus=int(columns["genus"].sum()),
         euler_characteristic=int(euler.sum()),
         voids=int(columns["void"].sum()),
-        area=float(sides["areas"].sum()),
-        volume=float(sides["volumes"].sum()),
+        area=float(sides.areas.sum()),
+        volume=float(sides.volumes.sum()),
     )
+    for name, figure in figures.items():
+        setattr(inspection, name, figure)
     return {
         "vertices": build_table("vertices", dict(zip("xyz", points.T))),
         "faces": build_table("faces", dict(zip("abc", faces.T), shell=shell_of_vertex[faces[:, 0]])),

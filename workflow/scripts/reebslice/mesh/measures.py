@@ -7,7 +7,19 @@ from numba import njit
 
 
 def orient_faces(faces, turned):
-    """The faces (m, 3), those `turned` (m,) bool over, each from its first corner on; the same array if none is."""
+    """Turn over some faces, each from its first corner on.
+
+    Parameters
+    ----------
+    faces : (m, 3) int
+    turned : (m,) bool
+        The faces to turn over.
+
+    Returns
+    -------
+    (m, 3) int
+        A new array if any is turned over, else `faces` itself.
+    """
     if not turned.any():
         return faces
     wound = faces.copy()
@@ -23,12 +35,21 @@ def _turn_over(faces, turned):
 
 
 def measure_shells(points, faces, shell, n_shells):
-    """Return the area and the signed volume of each shell, two (s,) float64.
+    """Sum the area and the signed volume of each shell.
 
-    points (n, 3) and faces (m, 3) in mesh units; shell (m,) the shell of each
-    face. Volumes are taken about a point of the shell, so that a small part
-    far from the origin keeps its digits; where rounding could hide the sign,
-    the volume is summed exactly: 0.0 means that it is zero.
+    Parameters
+    ----------
+    points, faces : (n, 3) float64, mesh units, and (m, 3) int
+    shell : (m,) int
+        The shell of each face, below `n_shells`.
+    n_shells : int
+
+    Returns
+    -------
+    areas, volumes : (s,) float64
+        Volumes are taken about a point of the shell, so that a small part far
+        from the origin keeps its digits; where rounding could hide the sign,
+        the volume is summed exactly: 0.0 means that it is zero.
     """
     areas, volumes, sizes, counts = _sum_faces(points, faces, shell, n_shells)
     # Differences and products round by 1e-16 each, sums by the square root of their length.
@@ -75,6 +96,14 @@ def count_collinear(points, faces):
     """Count the faces whose three distinct corners are in line, to rounding.
 
     They carry no area, but without them the surface would be open.
+
+    Parameters
+    ----------
+    points, faces : (n, 3) float64 and (m, 3) int
+
+    Returns
+    -------
+    int
     """
     return _count_collinear(points, np.ascontiguousarray(faces, np.int32))
 
@@ -92,7 +121,17 @@ def _count_collinear(points, faces):
 
 
 def sum_volume_exactly(points, faces):
-    """Return the signed volume of closed `faces`, correctly rounded."""
+    """Sum the signed volume of a closed surface in whole numbers.
+
+    Parameters
+    ----------
+    points, faces : (n, 3) float64 and (m, 3) int
+
+    Returns
+    -------
+    float
+        Correctly rounded.
+    """
     used, local = np.unique(faces, return_inverse=True)
     exact = [[Fraction(float(x)) for x in point] for point in points[used]]
     six = Fraction(0)

@@ -1,4 +1,4 @@
-"""Corners at equal positions are one vertex."""
+"""One vertex for all corners at one position, or within a tolerance of each other."""
 
 import numpy as np
 from numba import njit
@@ -9,8 +9,19 @@ from .orders import height_order
 def merge_exactly(points, faces):
     """Merge corners at equal positions, and drop the points that no face uses.
 
-    Returns positions (n, 3), in lexicographic order and without -0.0, and
-    faces (m, 3) int32 over them.
+    Parameters
+    ----------
+    points : (p, 3) float64
+        Finite where faces use them.
+    faces : (m, 3) int
+        Ids of points.
+
+    Returns
+    -------
+    positions : (n, 3) float64
+        All different, in lexicographic order, without -0.0.
+    faces : (m, 3) int32
+        The same faces over `positions`.
     """
     points, faces = np.ascontiguousarray(points, np.float64), np.ascontiguousarray(faces, np.int32)
     size = 64  # of the hash table, which holds fewer positions than faces unless the surface is in tatters
@@ -67,3 +78,72 @@ def _find_positions(points, faces, size):
 @njit(cache=True, inline="always")
 def _unsigned(bits):
     return np.uint64(0) if bits == np.uint64(1 << 63) else bits
+
+
+def list_tolerances(largest):
+    """Return the relative tolerances to try in turn: powers of ten, then `largest`.
+
+    Examples
+    --------
+    >>> list_tolerances(3e-11)
+    [1e-12, 1e-11, 3e-11]
+    """
+    powers = [float(f"1e{k}") for k in range(-12, 0)]
+    return [power for power in powers if power < largest] + ([largest] if largest > 0 else [])
+
+
+def merge_nearby(points, candidates, tolerance):
+    """Merge the points among `candidates` that lie within `tolerance` of each other.
+
+    Parameters
+    ----------
+    points : (n, 3) float64, mesh units
+    candidates : (c,) int
+        Ids of points, ascending.
+    tolerance : float, mesh units
+
+    Returns
+    -------
+    (n,) int64 or None
+        The point that stands for each point: the first of its cluster. Clusters
+        are the connected components of the graph of near pairs, so the order
+        of the points decides nothing. None if a cluster grows beyond four
+        tolerances, where merging would tear rather than mend.
+    """
+    from scipy.sparse import coo_array  # takes half a second, and few meshes come here
+    from scipy.sparse.csgraph import connected_components
+    from scipy.spatial import cKDTree
+
+    stand_in = np.arange(len(points))
+    if not len(candidates):
+        return stand_in
+    pairs = cKDTree(points[candidates]).query_pairs(tolerance, output_type="ndarray")
+    size = len(candidates)
+    graph = coo_array((np.ones(len(pairs), bool), pairs.T), shape=(size, size))
+    _, cluster = connected_components(graph, directed=False)
+    first = np.full(size, len(points))
+    np.minimum.at(first, cluster, candidates)
+    stand_in[candidates] = first[cluster]
+    if np.abs(points - points[stand_in]).max() > 4 * tolerance:
+        return None
+    return stand_in
+
+
+def loses_part(merged, kept):
+    """Tell whether a part vanishes with the faces that are not `kept`.
+
+    A sliver that filled a crack leaves its corners to its neighbours; a part
+    that was smaller than the tolerance leaves a point that no face uses.
+
+    Parameters
+    ----------
+    merged : (m, 3) int
+    kept : (m,) bool
+
+    Returns
+    -------
+    bool
+    """
+    used = np.zeros(merged.max() + 1, bool)
+    used[merged[kept]] = True
+    return not used[merged[~kept]].all()

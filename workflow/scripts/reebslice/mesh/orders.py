@@ -3,9 +3,22 @@
 import numpy as np
 from numba import njit
 
+from ..arrays.sorting import find_starts, sort_by_counting
+
 
 def height_order(points):
-    """Surface vertices (n,) in ascending order of (z, x, y, id)."""
+    """Sort vertices by height, ties by the two other coordinates and then by id: simulation of simplicity.
+
+    Parameters
+    ----------
+    points : (n, 3) float64
+        Without -0.0 and NaN.
+
+    Returns
+    -------
+    (n,) int32
+        Vertices in ascending order of (z, x, y, id).
+    """
     z = np.ascontiguousarray(points[:, 2])
     order = np.argsort(z)
     tied = _order_few(order, np.ascontiguousarray(points))
@@ -45,10 +58,20 @@ def _vertex_comes_after(points, v, w):
 
 
 def canonical_faces(faces, rank):
-    """Faces (m, 3) in terms of ranks, the smallest first, in lexicographic order: (m, 3) int32.
+    """Write faces in ranks, each from its smallest on, and sort them.
 
-    rank : (n,) int32 of every vertex. No two faces may share a corner and
-    the one after it, as none of an oriented edge-manifold do.
+    Parameters
+    ----------
+    faces : (m, 3) int
+        No two share a corner and the one after it, as none of an oriented
+        edge-manifold do.
+    rank : (n,) int
+        The rank of every vertex.
+
+    Returns
+    -------
+    (m, 3) int32
+        In lexicographic order; the windings are kept.
     """
     return _sort_faces(np.ascontiguousarray(faces, dtype=np.int32), np.ascontiguousarray(rank, dtype=np.int32))
 
@@ -68,23 +91,27 @@ def _sort_faces(faces, rank):
 
 @njit(cache=True)
 def sort_faces(faces, n):
-    """Faces (m, 3) int32 of n vertices in lexicographic order, no two with the same first and second corner.
+    """Sort faces lexicographically: by counting on the first corner, then the few faces that share it.
 
-    A counting sort by the first corner, then a sort of the few faces that share it.
+    Parameters
+    ----------
+    faces : (m, 3) int32
+        No two with the same first and second corner.
+    n : int
+        Bound of the ids.
+
+    Returns
+    -------
+    (m, 3) int32
     """
-    start, out = np.zeros(n + 1, np.int32), np.empty(faces.shape, np.int32)
+    ends, out, first = find_starts(faces[:, 0], n), np.empty(faces.shape, np.int32), 0
     for f in range(len(faces)):
-        start[faces[f, 0] + 1] += 1
-    for v in range(n):
-        start[v + 1] += start[v]
-    for f in range(len(faces)):
-        place = start[faces[f, 0]]
-        start[faces[f, 0]] += 1
+        place = ends[faces[f, 0]]
+        ends[faces[f, 0]] += 1
         out[place, 0], out[place, 1], out[place, 2] = faces[f, 0], faces[f, 1], faces[f, 2]
-    first = 0
     for v in range(n):
-        _sort_fan(out, first, start[v])
-        first = start[v]
+        _sort_fan(out, first, ends[v])
+        first = ends[v]
     return out
 
 
@@ -103,12 +130,22 @@ def _sort_fan(faces, first, end):
 
 
 def order_corners(faces, n_vertices):
-    """Return (m, 3) corners that put faces and their corners in canonical order.
+    """Find the corners that put faces and their corners in canonical order.
 
-    `faces.ravel()[corners]` are the same faces, each beginning at its smallest
-    id, in lexicographic order of the *unordered* triples: turning faces over
-    does not change their order, and faces with the same corners are neighbours;
-    of those, the ones that run 0, 1, 2 come before the ones that run 0, 2, 1.
+    Parameters
+    ----------
+    faces : (m, 3) int
+        Each with three different corners, below `n_vertices`.
+    n_vertices : int
+
+    Returns
+    -------
+    (m, 3) int32
+        `faces.ravel()[corners]` are the same faces, each beginning at its
+        smallest id, in lexicographic order of the *unordered* triples: turning
+        faces over does not change their order, and faces with the same corners
+        are neighbours; of those, the ones that run 0, 1, 2 come before the ones
+        that run 0, 2, 1.
     """
     first, *keys = _sort_corners(np.ascontiguousarray(faces, np.int32))
     return _turn_corners(_order_triples(*keys, n_vertices), first)
@@ -131,18 +168,11 @@ def _sort_corners(faces):
 @njit(cache=True)
 def _order_triples(a, b, c, bound):
     """Argsort, stable and lexicographic, of triples: by counting on `a`, below `bound`, then of the few with it."""
-    start, order = np.zeros(bound + 1, np.int32), np.empty(len(a), np.int32)
-    for number in a:
-        start[number + 1] += 1
-    for number in range(bound):
-        start[number + 1] += start[number]
-    for i in range(len(a)):
-        order[start[a[i]]] = i
-        start[a[i]] += 1
+    order, ends = sort_by_counting(a, np.arange(len(a), dtype=np.int32), bound)
     begin = 0
     for number in range(bound):
-        _sort_few(order, begin, start[number], b, c)
-        begin = start[number]
+        _sort_few(order, begin, ends[number], b, c)
+        begin = ends[number]
     return order
 
 

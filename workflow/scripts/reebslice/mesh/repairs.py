@@ -5,63 +5,101 @@ from typing import NamedTuple
 import numpy as np
 
 from ..errors import NotASolidError
-from . import closing, half_edges, measures, merging, sheets, shells, touching
+from . import closing, copies, half_edges, measures, merging, reasons, sheets, shells, touching
 from .faults import find_fault, format_point
+from .record import Inspection
 
-REPAIRS = ("merge", "duplicates", "split", "orient")
 
+class CleanSurface(NamedTuple):
+    """A closed and oriented surface, manifold at mesh edges and vertices.
 
-def clean_surface(points, faces, options, record):
-    """Return the closed, manifold and oriented surface that the faces describe.
-
-    points (n, 3) float64, mesh units; faces (m, 3); options complete, see
-    `inspection.inspect_surface`; record: what is found goes into it.
-
-    Returns points (n', 3), in lexicographic order; faces (m', 3); the shell
-    (m',) of each; and the sides of the shells, see `shells.orient_shells`.
-    Raises `NotASolidError` if there is no such surface within the repairs allowed.
+    Attributes
+    ----------
+    points : (n, 3) float64, mesh units
+        In lexicographic order; equal where sheets touch.
+    faces : (m, 3) int32
+        Counter-clockwise seen from outside the material.
+    component : (m,) int32
+        The shell of each face.
+    shells : shells.Shells
     """
-    if fault := find_fault(points, faces):
-        raise NotASolidError(fault)
-    points, merged = merging.merge_exactly(points, faces)
-    found = closing.close_surface(points, merged, faces, options["merge_tolerance"])
-    _note_closing(points, found, record)
-    _check_closed(points, found, options)
-    if found.tolerance:
-        _allow("merge", options, record, _describe_merge(points, found))
-    if found.duplicates:
-        dropped = f"dropped {found.duplicates} faces whose corners another face has too"
-        _allow("duplicates", options, record, dropped)
-    if found.flaps:
-        dropped = f"dropped {found.flaps} flaps, that is pairs of coinciding faces that enclose nothing"
-        _allow("duplicates", options, record, dropped)
-    if found.apart:
-        _allow("split", options, record, _describe_apart(points, found))
-    if found.apart:
-        found = _face_outward(points, found, options, record)
-    found, walk, sizes = _drop_flat(points, found, options, record)
-    faces, (opposite, component, turned, _) = found.glued.faces, walk
-    _check_wound(points, faces, walk, record)
-    sides = shells.orient_shells(points, faces, component, turned, *sizes)
-    _note_sides(points, faces, component, sides, options, record)
-    if found.apart:
-        _check_apart(points, faces, sides["flip"])
-    faces, origin = sheets.split_pinches(faces, opposite, component, len(points))
-    _note_pinches(points, origin, found, options, record)
-    points, flip = points[origin], sides["flip"]
-    if found.apart or found.own_numbering:  # else two vertices have one mesh edge at most
-        points, faces, old = sheets.split_double_edges(points, faces, opposite)
-        component, flip = component[old], flip[old]
-    return points, measures.orient_faces(faces, flip), component, sides
+
+    points: np.ndarray
+    faces: np.ndarray
+    component: np.ndarray
+    shells: shells.Shells
 
 
 class Walk(NamedTuple):
-    """What a walk over the faces of a closed surface finds, see `sheets.label_components`."""
+    """A closed surface, walked over from face to face.
 
-    opposite: np.ndarray  # (3m,) the other half-edge of each mesh edge
-    component: np.ndarray  # (m,)
-    turned: np.ndarray  # (m,) bool
+    Attributes
+    ----------
+    opposite : (3 m,) int32
+        The other half-edge of each mesh edge.
+    component, turned, conflict
+        Of `sheets.label_components`.
+    """
+
+    opposite: np.ndarray
+    component: np.ndarray
+    turned: np.ndarray
     conflict: int
+
+
+def clean_surface(points, faces, options):
+    """Find the closed, manifold and oriented surface that the faces describe.
+
+    Parameters
+    ----------
+    points, faces : (p, 3) float64, mesh units, and (q, 3) int
+    options : dict
+        Complete, see `inspection.inspect_surface`.
+
+    Returns
+    -------
+    surface : CleanSurface or None
+        None if there is no such surface within the repairs allowed.
+    inspection : record.Inspection
+        What was found and repaired on the way, with the reason if there is no surface.
+    """
+    if fault := find_fault(points, faces):
+        return None, Inspection(status="rejected", reason=fault)
+    points, merged = merging.merge_exactly(points, faces)
+    refused = None
+    for found in closing.list_closings(points, merged, faces, options["merge_tolerance"]):
+        inspection = _describe_closing(points, found)
+        try:
+            return _finish(points, found, options, inspection), inspection
+        except NotASolidError as reason:
+            inspection.reject(reason)
+            refused = refused or inspection
+    return None, refused
+
+
+def _finish(points, found, options, inspection):
+    """Orient a closing and give each sheet vertices of its own; raises `NotASolidError` if it is no solid's."""
+    allowed = options["repair"]
+    reasons.check_closed(points, found, options["merge_tolerance"])
+    found = _drop_backs(points, found)
+    seams = _find_seams(points, found)
+    inspection.duplicate_faces_removed = len(found.repeats) + 2 * found.flaps + len(found.backs)
+    for repair, told in reasons.list_repairs(points, found, seams):
+        inspection.note_repair(repair, told, allowed)
+    if found.own_numbering:
+        inspection.repairs.append(reasons.describe_numbering(points, seams))
+    elif seams is not None:
+        found = _face_outward(points, found, options, inspection)
+    found, walk, sizes = _drop_flat(points, found, allowed, inspection)
+    faces = found.glued.faces
+    inspection.oriented = walk.conflict < 0 and not walk.turned.any()
+    reasons.check_two_sided(points, faces, walk.conflict)
+    reasons.check_volumes(points, faces, walk.component, sizes[1])
+    sides = shells.orient_shells(points, faces, walk.component, walk.turned, *sizes)
+    _note_turns(sides, walk.component, allowed, inspection)
+    if seams is not None and not found.own_numbering:
+        _check_apart(points, faces, sides.flip)
+    return _separate_vertices(points, found, walk, sides, allowed, inspection)
 
 
 def _walk(glued):
@@ -74,8 +112,8 @@ def _measure(points, faces, walk):
     return measures.measure_shells(points, measures.orient_faces(faces, walk.turned), walk.component, n_shells)
 
 
-def _note_closing(points, found, record):
-    record.update(
+def _describe_closing(points, found):
+    inspection = Inspection(
         n_vertices=len(points),
         n_faces=len(found.glued.faces),
         closed=len(found.glued.faces) > 0 and not len(closing.find_open(found.glued)),
@@ -83,79 +121,60 @@ def _note_closing(points, found, record):
         tolerance=found.tolerance,
         bounds=[[float(end(axis)) for axis in points.T] for end in (np.min, np.max)],
         degenerate_faces_removed=found.degenerate + found.collapsed,
-        duplicate_faces_removed=found.duplicates + 2 * found.flaps,
+        duplicate_faces_removed=len(found.repeats) + 2 * found.flaps,
         collinear_faces=measures.count_collinear(points, found.glued.faces),
     )
     if found.degenerate:
-        record["repairs"].append(f"dropped {found.degenerate} faces with two equal corners")
-    if found.own_numbering:
-        record["repairs"].append("kept apart parts that touch along mesh edges, as the file numbers its vertices")
+        inspection.repairs.append(f"dropped {found.degenerate} faces with two equal corners")
+    return inspection
 
 
-def _check_closed(points, found, options):
-    """Raise `NotASolidError` naming the open or crowded mesh edges of the exact gluing."""
-    if closing.is_closed(found.glued):
-        return
-    if not len(found.exact.faces):
-        raise NotASolidError(
-            f"All {found.degenerate} faces have two equal corners: nothing remains of the"
-            " surface; export the mesh with more digits."
-        )
-    faults = []
-    edges_open = closing.find_open(found.exact)
-    if len(edges_open):
-        faults.append(
-            f"the surface is open: {len(edges_open)} mesh edges have only one face, the first"
-            f" {_span(points, found.exact, edges_open)}"
-        )
-    crowded = closing.find_crowded(found.exact)
-    if len(crowded):
-        faults.append(
-            f"the surface is not a manifold: {len(crowded)} mesh edges have three or more faces,"
-            f" the first {_span(points, found.exact, crowded)}"
-        )
-    if found.entangled:
-        faults.append(f"they cannot be taken apart: {found.entangled}")
-    exact = found.exact.faces
-    doubled = len(exact) - len(closing.drop_duplicates(exact))
-    if doubled:
-        faults.append(f"faces that occur more than once: {doubled}")
-    cure = "fill the holes" if len(edges_open) else "separate the parts or unite their volumes"
-    tolerance = options["merge_tolerance"]
-    also = f", or, if its parts only just fail to meet, raise inspect.merge_tolerance ({tolerance:g})"
-    told = "; ".join(faults)
-    told = f"{told[0].upper()}{told[1:]}; {cure} in a mesh editor"
-    raise NotASolidError(f"{told}{also if len(edges_open) else ''}.")
+def _drop_backs(points, found):
+    """Drop the components that are the backs or the copies of others, see `copies.find_backs`."""
+    if not found.apart and not found.own_numbering:
+        return found
+    faces, walk = found.glued.faces, _walk(found.glued)
+    n_shells = walk.component.max() + 1
+    covered, again = copies.find_covered(faces, walk.component, n_shells)
+    if not covered.any() or walk.conflict >= 0:
+        return found
+    signs = np.sign(_measure(points, faces, walk)[1])
+    enclosing = shells.find_enclosing(points, faces, walk.component, n_shells)
+    enclosing = [[one for one in around if not again[one]] for around in enclosing]
+    back = copies.find_backs(enclosing, signs, covered & ~again)
+    if not (back | again).any():
+        return found
+    kept = ~(back | again)[walk.component]
+    repeats = np.concatenate([found.repeats, faces[again[walk.component]]])
+    glued = closing.keep_faces(found.glued, kept)
+    return found._replace(glued=glued, backs=faces[back[walk.component]], repeats=repeats)
 
 
-def _check_wound(points, faces, walk, record):
-    """Raise `NotASolidError` if a part is one-sided."""
-    record["oriented"] = walk.conflict < 0 and not walk.turned.any()
-    if walk.conflict >= 0:
-        place = format_point(points[faces.ravel()[walk.conflict]])
-        raise NotASolidError(
-            "The surface is one-sided (like a Klein bottle): at least 1 part cannot be wound"
-            f" consistently, the first conflict is at {place}; a solid has no such boundary,"
-            " rebuild that part."
-        )
+def _find_seams(points, found):
+    """The gluing of the faces by position if sheets touch along mesh edges, else None."""
+    if not found.apart and not found.own_numbering:
+        return None
+    glued = closing.glue(found.glued.faces, len(points))
+    return None if closing.is_closed(glued) else glued
 
 
-def _face_outward(points, found, options, record):
+def _face_outward(points, found, options, inspection):
     """Turn over parts that face inward and take apart once more: it depends on where the material is."""
     walk = _walk(found.glued)
     sizes = _measure(points, found.glued.faces, walk)
-    flip = shells.orient_shells(points, found.glued.faces, walk.component, walk.turned, *sizes)["flip"]
+    flip = shells.orient_shells(points, found.glued.faces, walk.component, walk.turned, *sizes).flip
     if not _find_crowded_corners(found.glued.faces, len(points), flip).size:
         return found
     faces = np.where(flip[:, None], found.glued.faces[:, ::-1], found.glued.faces)
-    start = found._replace(glued=closing.glue(faces, len(points)), apart=0)
+    start = found._replace(glued=closing.glue(faces, len(points)), apart=False)
     again = closing.separate_sheets(points, start, options["merge_tolerance"] * np.ptp(points, axis=0).max())
-    _check_closed(points, again, options)
-    _allow("orient", options, record, f"turned over {flip.sum()} faces of touching parts that faced inward")
+    reasons.check_closed(points, again, options["merge_tolerance"])
+    told = f"turned over {flip.sum()} faces of touching parts that faced inward"
+    inspection.note_repair("orient", told, options["repair"])
     return again
 
 
-def _drop_flat(points, found, options, record):
+def _drop_flat(points, found, allowed, inspection):
     """Drop the closed parts that lie in a plane, unless nothing else is there; returns walk and sizes of the rest."""
     faces, walk = found.glued.faces, _walk(found.glued)
     component = walk.component
@@ -165,7 +184,7 @@ def _drop_flat(points, found, options, record):
     if not 0 < len(flat) < len(volumes):
         return found, walk, (areas, volumes)
     told = f"dropped {len(flat)} closed parts that lie in a plane and enclose nothing"
-    _allow("duplicates", options, record, told)
+    inspection.note_repair("duplicates", told, allowed)
     glued, kept = closing.keep_faces(found.glued, ~np.isin(component, flat)), np.delete(np.arange(len(volumes)), flat)
     return found._replace(glued=glued), _walk(glued), (areas[kept], volumes[kept])
 
@@ -187,67 +206,29 @@ def _check_apart(points, faces, flip):
         )
 
 
-def _note_sides(points, faces, component, sides, options, record):
-    n_shells = len(sides["areas"])
-    flat = np.flatnonzero(sides["volumes"] == 0)
-    if len(flat):
-        first = points[faces[np.argmax(component == flat[0]), 0]]
-        raise NotASolidError(
-            f"{len(flat)} of {n_shells} closed parts enclose no volume, the first is at"
-            f" {format_point(first)}; delete such flat parts in a mesh editor."
-        )
-    free, inward = sides["free"], sides["inward"]
+def _note_turns(sides, component, allowed, inspection):
+    """Note the shells whose winding was inconsistent, and those that faced inward."""
+    free, n_shells = sides.free, len(sides.areas)
     if free.any():
-        told = f"made the winding of {free.sum()} of {n_shells} shells consistent"
-        _allow("orient", options, record, f"{told} ({_count_minor(sides['flip'], component, free)} faces)")
-    if inward.any():
-        told = f"turned over {inward.sum()} of {n_shells} shells that faced inward"
-        _allow("orient", options, record, told)
+        turned = np.bincount(component, sides.flip, n_shells)
+        fewer = int(np.minimum(turned, np.bincount(component) - turned)[free].sum())
+        told = f"made the winding of {free.sum()} of {n_shells} shells consistent ({fewer} faces)"
+        inspection.note_repair("orient", told, allowed)
+    if sides.inward.any():
+        told = f"turned over {sides.inward.sum()} of {n_shells} shells that faced inward"
+        inspection.note_repair("orient", told, allowed)
 
 
-def _count_minor(flip, component, free):
-    turned = np.bincount(component, flip, len(free))
-    return int(np.minimum(turned, np.bincount(component) - turned)[free].sum())
-
-
-def _note_pinches(points, origin, found, options, record):
-    copies = np.bincount(origin)
-    pinched = np.flatnonzero(copies > 1)
-    record["pinch_vertices_split"] = len(pinched)
-    if len(pinched) and not found.own_numbering:
-        told = (
-            f"split {len(pinched)} pinch vertices, where sheets touch in a point, into"
-            f" {copies[pinched].sum()}, the first at {format_point(points[pinched[0]])}"
-        )
-        _allow("split", options, record, told)
-
-
-def _allow(repair, options, record, told):
-    if repair not in options["repair"]:
-        raise NotASolidError(
-            f"It would take a repair that the configuration does not allow ({told});"
-            f" add {repair} to inspect.repair, or mend the mesh in an editor."
-        )
-    record["repairs"].append(told)
-
-
-def _describe_merge(points, found):
-    extent = np.ptp(points, axis=0).max()
-    told = (
-        f"merged {found.moved} corners within {found.tolerance:g} of the largest extent"
-        f" ({found.tolerance * extent:.3g}) to close {len(closing.find_open(found.exact))} open mesh edges"
-    )
-    return told + (f", by which {found.collapsed} sliver faces vanished" if found.collapsed else "")
-
-
-def _describe_apart(points, found):
-    crowded = closing.find_crowded(found.exact)
-    where = f", the first {_span(points, found.exact, crowded)}" if len(crowded) else ""
-    loose = f"; at {found.loose} of them faces coincide within the merge tolerance only" if found.loose else ""
-    return f"took apart {found.apart} mesh edges around which bodies touch{where}{loose}"
-
-
-def _span(points, glued, edges):
-    ends = closing.list_ends(glued, edges)
-    first = ends[np.lexsort(ends.T[::-1])[0]]
-    return f"from {format_point(points[first[0]])} to {format_point(points[first[1]])}"
+def _separate_vertices(points, found, walk, sides, allowed, inspection):
+    """Give each sheet vertices of its own, at mesh edges and vertices where it touches another one."""
+    opposite, component = walk.opposite, walk.component
+    faces, origin = sheets.split_pinches(found.glued.faces, opposite, component, len(points))
+    copied = np.bincount(origin)
+    inspection.pinch_vertices_split = int(np.sum(copied > 1))
+    if inspection.pinch_vertices_split and not found.own_numbering:
+        inspection.note_repair("split", reasons.describe_pinches(points, copied), allowed)
+    points, flip = points[origin], sides.flip
+    if found.apart or found.own_numbering:  # else two vertices have one mesh edge at most
+        points, faces, old = sheets.split_double_edges(points, faces, opposite)
+        component, flip = component[old], flip[old]
+    return CleanSurface(points, measures.orient_faces(faces, flip), component, sides)

@@ -1,7 +1,7 @@
-"""How the faces of a surface are glued: mesh edges, winding, vertices.
+"""The sheets of a closed surface: components, winding, and vertices with one fan of faces each.
 
-Half-edge `3 * f + k` runs from corner k of face f to the next corner; the
-corner it starts from bears the same number.
+A sheet runs on across its mesh edges from face to face. Sheets may touch, and
+then share positions, but no faces; here each gets vertices of its own.
 """
 
 import numpy as np
@@ -9,17 +9,28 @@ from numba import njit
 
 from ..arrays.components import find, join
 from ..arrays.sorting import sort_stably
-from .half_edges import _ahead, group_half_edges
+from .half_edges import ahead, behind, group_half_edges
 
 
 @njit(cache=True)
 def label_components(faces, opposite):
-    """Tell the components of a closed surface (m, 3) apart, and how they are wound.
+    """Label the connected components of a closed surface, and find how they are wound.
 
-    Returns `component` (m,) int32, numbered in order of the first face;
-    `turned` (m,) bool, the faces wound against the first face of their
-    component; and `conflict`, a half-edge at which no choice of turned faces
-    agrees (the component is one-sided), or -1.
+    Parameters
+    ----------
+    faces : (m, 3) int32
+    opposite : (3 m,) int32
+        The other half-edge of each mesh edge.
+
+    Returns
+    -------
+    component : (m,) int32
+        Numbered in order of the first face.
+    turned : (m,) bool
+        The faces wound against the first face of their component.
+    conflict : int
+        A half-edge at which no choice of turned faces agrees, so that the
+        component is one-sided; or -1.
     """
     root, tails = np.arange(len(faces)).astype(np.int32), faces.ravel()
     for h in range(len(tails)):
@@ -55,6 +66,8 @@ def _walk_components(faces, opposite):
             face = stack[height]
             for half_edge in range(3 * face, 3 * face + 3):
                 other = opposite[half_edge]
+                if other == half_edge:
+                    continue
                 neighbour = other // 3
                 against = faces[face, half_edge % 3] == faces[neighbour, other % 3]
                 if component[neighbour] < 0:
@@ -68,34 +81,74 @@ def _walk_components(faces, opposite):
     return component, turned, conflict
 
 
+def find_conflict(glued):
+    """Find where a surface is one-sided, walking across the mesh edges that have exactly two faces.
+
+    Parameters
+    ----------
+    glued : closing.Gluing
+        Not closed.
+
+    Returns
+    -------
+    int
+        A half-edge at which no choice of turned faces agrees, or -1.
+    """
+    pairs = glued.starts[:-1][np.diff(glued.starts) == 2]
+    one, two = glued.order[pairs], glued.order[pairs + 1]
+    opposite = np.arange(glued.faces.size, dtype=np.int32)  # itself, where it is not of such a mesh edge
+    opposite[one], opposite[two] = two, one
+    return int(_walk_components(glued.faces, opposite)[2])
+
+
 @njit(cache=True)
 def label_corners(faces, opposite):
-    """Return (3m,) the first corner of each corner's fan of faces.
+    """Label the corners of a closed surface by vertex.
 
     Two corners share a vertex of the surface iff a chain of faces, each glued
     to the next along a mesh edge at that vertex, joins them: one label is one
     cycle of the vertex's link.
+
+    Parameters
+    ----------
+    faces : (m, 3) int32
+    opposite : (3 m,) int32
+
+    Returns
+    -------
+    (3 m,) int32
+        The first corner of each corner's fan of faces.
     """
     n_corners = 3 * len(faces)
     label = np.full(n_corners, -1, np.int32)
     for first in range(n_corners):
-        corner, ahead = first, True  # the fan goes on over the half-edge that begins here, or that ends here
+        corner, forward = first, True  # the fan goes on over the half-edge that begins here, or that ends here
         while label[corner] < 0:
             label[corner] = first
-            half_edge = corner if ahead else (corner + 2 if corner % 3 == 0 else corner - 1)
-            other = opposite[half_edge]
-            ahead = faces[other // 3, other % 3] != faces[corner // 3, corner % 3]
-            corner = (other + 1 if other % 3 < 2 else other - 2) if ahead else other
+            other = opposite[corner if forward else behind(corner)]
+            forward = faces[other // 3, other % 3] != faces[corner // 3, corner % 3]
+            corner = ahead(other) if forward else other
     return label
 
 
 def split_pinches(faces, opposite, component, n_vertices):
     """Give each cycle of a vertex's link a vertex of its own, and none to a vertex without faces.
 
-    Returns `faces` (m, 3) over the new vertices and `origin` (n,), the vertex
-    that each of them was. Copies follow each other in the order of their
-    component, then of their first corner: of components that coincide, it does
-    not matter which of two coinciding faces comes first.
+    Parameters
+    ----------
+    faces : (m, 3) int32
+    opposite : (3 m,) int32
+    component : (m,) int32
+    n_vertices : int
+
+    Returns
+    -------
+    faces : (m, 3) int32
+        The same faces over the new vertices.
+    origin : (n,) int
+        The vertex that each new one was. Copies follow each other in the order
+        of their component, then of their first corner: of components that
+        coincide, it does not matter which of two coinciding faces comes first.
     """
     if _has_single_fans(faces.ravel(), opposite, n_vertices):
         return faces, np.arange(n_vertices)
@@ -119,11 +172,11 @@ def _has_single_fans(tails, opposite, n):
     for v in range(n):
         if degree[v] == 0:
             return False
-        corner, ahead, left = np.int64(some[v]), True, degree[v]
+        corner, forward, left = np.int64(some[v]), True, degree[v]
         while left > 0:  # see `label_corners`
-            other = np.int64(opposite[corner if ahead else corner - 1 + 3 * (corner % 3 == 0)])
-            ahead = tails[other] != v
-            corner = _ahead(other) if ahead else other
+            other = np.int64(opposite[corner if forward else behind(corner)])
+            forward = tails[other] != v
+            corner = ahead(other) if forward else other
             left -= 1
             if corner == some[v]:
                 break
@@ -133,12 +186,21 @@ def _has_single_fans(tails, opposite, n):
 
 
 def split_double_edges(points, faces, opposite):
-    """Give each mesh edge two vertices of its own, by a new one in the middle of what is double.
+    """Put a new vertex in the middle of mesh edges that join the same two vertices as another one.
 
-    points (n, 3), faces (m, 3) and opposite (3m,) of a closed surface, in
-    which two mesh edges may join the same two vertices. Returns points, sorted
-    as they were and with the new ones among them; faces over them; and the old
-    face that each one was, or was a part of.
+    Parameters
+    ----------
+    points : (n, 3) float64
+        In lexicographic order.
+    faces : (m, 3) int32
+    opposite : (3 m,) int32
+
+    Returns
+    -------
+    points, faces : (n', 3) float64 and (m', 3) int32
+        No two mesh edges join the same two vertices; the order of the points is kept.
+    old : (m',) int64
+        The face that each one was, or was a part of.
     """
     order, starts = group_half_edges(faces, len(points))
     middle = np.full(3 * len(faces), -1)

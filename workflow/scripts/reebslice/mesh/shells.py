@@ -5,6 +5,8 @@ faces are counter-clockwise seen from outside it (it encloses a volume), -1
 where they are clockwise (it encloses a void).
 """
 
+from typing import NamedTuple
+
 import numpy as np
 from numba import njit
 
@@ -13,13 +15,24 @@ CLEAR = 1e-6  # of the shell's extent, how far from its faces it votes
 
 
 def find_enclosing(points, faces, shell, n_shells):
-    """Return, for each shell, the sorted list of the shells that enclose it.
+    """List, for each shell, the shells that enclose it.
 
     A shell encloses another if its box does and if most of `SAMPLES` faces of
     the other are inside it. A face votes by the two points a little off its
     centre on both of its sides, each by the parity of an upward ray, and only
     if they agree: where walls touch they do not, so that of two coinciding
     shells none encloses the other, and a plate is not around the pin in its bore.
+
+    Parameters
+    ----------
+    points, faces : (n, 3) float64 and (m, 3) int
+    shell : (m,) int
+        The shell of each face, below `n_shells`; every shell is closed.
+    n_shells : int
+
+    Returns
+    -------
+    list of n_shells lists of int, each ascending
     """
     enclosing = [[] for _ in range(n_shells)]
     if n_shells == 1:
@@ -110,13 +123,24 @@ def _height_on_face(points, face, px, py):
 
 @njit(cache=True)
 def cast_rays(points, faces, queries, margin):
-    """Tell which of `queries` (q, 3), sorted by x, are inside the closed `faces`.
+    """Tell which points are inside a closed surface, by the parity of the faces above them.
 
-    Returns two (q,) bool: inside, by the parity of the faces above; and on the
-    surface within `margin`, where the first says nothing. A ray that meets a
-    mesh edge or a vertex meets one face of those around it, or a number that
-    leaves the parity right: edges are tested once and for all, over half-open
-    intervals of x.
+    A ray that meets a mesh edge or a vertex meets one face of those around it,
+    or a number that leaves the parity right: mesh edges are tested once and for
+    all, over half-open intervals of x.
+
+    Parameters
+    ----------
+    points, faces : (n, 3) float64 and (m, 3) int
+    queries : (q, 3) float64
+        Sorted by x.
+    margin : float, mesh units
+
+    Returns
+    -------
+    inside : (q,) bool
+    on : (q,) bool
+        On the surface within `margin`, where `inside` says nothing.
     """
     n_queries = len(queries)
     inside = np.zeros(n_queries, np.bool_)
@@ -144,18 +168,49 @@ def cast_rays(points, faces, queries, margin):
     return inside, on
 
 
+class Shells(NamedTuple):
+    """The shells of a closed surface, and on which side of each the material is.
+
+    Attributes
+    ----------
+    flip : (m,) bool
+        The faces to turn over so that all are counter-clockwise seen from outside the material.
+    areas : (s,) float64
+    volumes : (s,) float64
+        Negative for voids.
+    body, parent : (s,) int
+        See `nest_shells`.
+    free : (s,) bool
+        Its winding was inconsistent.
+    inward : (s,) bool
+        Its winding was consistent, but it is turned over as a whole.
+    """
+
+    flip: np.ndarray
+    areas: np.ndarray
+    volumes: np.ndarray
+    body: np.ndarray
+    parent: np.ndarray
+    free: np.ndarray
+    inward: np.ndarray
+
+
 def orient_shells(points, faces, shell, turned, areas, volumes):
     """Find on which side of every shell the material is.
 
-    points (n, 3), faces (m, 3), shell (m,) the shell of each face, turned (m,)
-    bool, the faces wound against the first one of their shell; areas, volumes
-    (s,) of the shells, each wound as its first face.
+    Parameters
+    ----------
+    points, faces : (n, 3) float64 and (m, 3) int
+    shell : (m,) int
+        The shell of each face.
+    turned : (m,) bool
+        The faces wound against the first one of their shell.
+    areas, volumes : (s,) float64
+        Of the shells, each wound as its first face.
 
-    Returns a dict: `flip` (m,) bool, the faces to turn over so that they are
-    counter-clockwise seen from outside the material; and of the shells (s,)
-    `areas`, `volumes` (negative for voids), `body` and `parent` as
-    `nest_shells` has them, `free` (its winding was inconsistent) and `inward`
-    (consistent, but turned over as a whole).
+    Returns
+    -------
+    Shells
     """
     n_shells = len(volumes)
     free = np.bincount(shell[turned], minlength=n_shells) > 0
@@ -163,23 +218,12 @@ def orient_shells(points, faces, shell, turned, areas, volumes):
     before = np.sign(volumes).astype(np.int64)
     signs, body, parent = nest_shells(enclosing, before, np.abs(volumes), free)
     mirrored = signs * before < 0  # not those without volume, which have no inside
-    return dict(
-        flip=turned ^ mirrored[shell],
-        areas=areas,
-        volumes=signs * np.abs(volumes),
-        body=body,
-        parent=parent,
-        free=free,
-        inward=mirrored & ~free,
-    )
+    flip = turned ^ mirrored[shell]
+    return Shells(flip, areas, signs * np.abs(volumes), body, parent, free, mirrored & ~free)
 
 
 def nest_shells(enclosing, signs, volumes, free):
     """Decide the sign, the body and the parent of every shell.
-
-    enclosing : list of lists, the shells around each shell. signs : (s,) +1 or
-    -1 as the file has them. volumes : (s,) absolute volumes. free : (s,) bool,
-    shells whose own sign means nothing (their winding was inconsistent).
 
     From the outside inward, W is the sum of the signs of the shells around
     one. A positive shell is a body, inside another one too: overlapping bodies
@@ -187,9 +231,24 @@ def nest_shells(enclosing, signs, volumes, free):
     A free one is a void where W is odd. A nest that is, shell by shell, the
     mirror image of bodies and voids in turn is turned over as a whole.
 
-    Returns `signs` (s,), `body` (s,): the shell itself, or for a void the
-    smallest body around it that is solid there; and `parent` (s,): the
-    smallest shell around it, or -1.
+    Parameters
+    ----------
+    enclosing : list of lists
+        The shells around each shell.
+    signs : (s,) int
+        +1 or -1 as the file has them.
+    volumes : (s,) float64
+        Absolute volumes.
+    free : (s,) bool
+        Shells whose own sign means nothing, because their winding was inconsistent.
+
+    Returns
+    -------
+    signs : (s,) int
+    body : (s,) int
+        The shell itself, or for a void the smallest body around it that is solid there.
+    parent : (s,) int
+        The smallest shell around it, or -1.
     """
     depth = np.array([len(around) for around in enclosing])
     signs = _mirror_nests(enclosing, depth, np.array(signs), free)

@@ -1,8 +1,9 @@
-"""Sheets that touch along a mesh edge: which of its faces belong together.
+"""Separate sheets that touch along a mesh edge: which of its faces belong together.
 
-Of the faces around a mesh edge, two belong together if the material between
-them is the same: bodies that meet in a mere mesh edge, or in a face, then come
-apart, as they would if the material shrank by next to nothing.
+A sheet is a part of the surface that runs on across its mesh edges, from face
+to face. Of the faces around a mesh edge, two belong to one sheet if the
+material between them is the same: bodies that meet in a mere mesh edge, or in
+a face, then come apart, as they would if the material shrank by next to nothing.
 """
 
 from fractions import Fraction
@@ -11,34 +12,84 @@ from functools import cmp_to_key
 import numpy as np
 
 from ..errors import TouchingSheetsError
+from . import copies
 
 
-def pair_around(points, faces, order, starts, slack):
-    """Pair the faces around each mesh edge; returns half-edges, and around how many faces coincide only nearly.
+def pair_around(points, glued, slack):
+    """Pair the faces around each mesh edge: those that are walls of the same material.
 
-    points (n, 3), faces (m, 3), order and starts as `half_edges.group_half_edges`
-    returns them; every mesh edge has an even number of faces. Returned are
-    (3m,) half-edges, those that belong together next to each other. Angles are
-    compared exactly, in whole numbers; but two faces coincide if their corners
-    lie within `slack`, in mesh units, of each other's planes, because rounding
+    Angles are compared exactly, in whole numbers; but two faces coincide if
+    their corners lie within `slack` of each other's planes, because rounding
     alone then tells whether they are a gap or an overlap.
 
-    Raises `TouchingSheetsError` unless the faces are wound consistently, and material
-    and void alternate around each mesh edge that has more than two faces.
+    Parameters
+    ----------
+    points : (n, 3) float64, mesh units
+    glued : closing.Gluing
+        Every mesh edge has an even number of faces; no two faces have the same
+        corners and the same winding.
+    slack : float, mesh units
+
+    Returns
+    -------
+    order : (3 m,) int64
+        Half-edges, those that belong together next to each other.
+    loose : int
+        Mesh edges around which faces coincide within the slack only.
+
+    Raises
+    ------
+    TouchingSheetsError
+        The faces of parts that touch are not wound consistently, or material
+        and void do not alternate around a mesh edge.
     """
-    tails = faces.ravel()[order]
-    double = starts[:-1][np.diff(starts) == 2]
-    if np.any(tails[double] == tails[double + 1]):
-        raise TouchingSheetsError(
-            "the winding of the faces is not consistent, so that it does not tell where the material is"
-        )
-    paired, loose = order.copy(), 0
-    for edge in np.flatnonzero(np.diff(starts) > 2).tolist():
+    _check_winding(glued)
+    order, starts, faces = glued.order, glued.starts, glued.faces
+    paired, left = _pair_copies(order, starts, faces)
+    loose = 0
+    for edge in left.tolist():
         here = slice(starts[edge], starts[edge + 1])
         turn, exact = _pair(points, faces, order[here], slack, edge)
         paired[here] = order[here][turn]
         loose += not exact
     return paired, loose
+
+
+def _check_winding(glued):
+    """Raise `TouchingSheetsError` if parts that touch are wound inconsistently: they do not tell where material is."""
+    tails, width, begin = glued.faces.ravel()[glued.order], np.diff(glued.starts), glued.starts[:-1]
+    wrong = np.flatnonzero((width == 2) & (tails[begin] == tails[np.minimum(begin + 1, len(tails) - 1)]))
+    if not len(wrong):
+        return
+    cluster = copies.label_clusters(glued)
+    touched = np.zeros(cluster.max() + 1, bool)
+    touched[cluster[glued.order[begin[width > 2]] // 3]] = True
+    wrong = wrong[touched[cluster[glued.order[begin[wrong]] // 3]]]
+    if len(wrong):
+        raise TouchingSheetsError(
+            "the winding of the faces is not consistent, so that it does not tell where the material is",
+            int(wrong[0]),
+            "make the winding of those faces consistent (recalculate the normals)",
+        )
+
+
+def _pair_copies(order, starts, faces):
+    """Pair the four faces of each mesh edge at which two sheets touch face to face; returns the other edges too.
+
+    Two faces are there, each in both windings: whatever the angle between
+    them, each sheet has one of either, and runs both ways along the mesh edge.
+    """
+    paired, width, begin = order.copy(), np.diff(starts), starts[:-1]
+    crowded = np.flatnonzero(width > 2)
+    four = crowded[width[crowded] == 4]
+    halves = order[begin[four, None] + np.arange(4)]
+    run = copies.find_runs(faces)[halves // 3]
+    twice = (run[:, 0] == run[:, 1]) & (run[:, 1] != run[:, 2]) & (run[:, 2] == run[:, 3])
+    halves, tails = halves[twice], faces.ravel()[halves[twice]]
+    same = tails[:, 0] == tails[:, 2]
+    places = np.where(same[:, None], [0, 3, 1, 2], [0, 2, 1, 3])
+    paired[begin[four[twice], None] + np.arange(4)] = np.take_along_axis(halves, places, axis=1)
+    return paired, np.setdiff1d(crowded, four[twice])
 
 
 def _pair(points, faces, half_edges, slack, edge):
@@ -54,7 +105,9 @@ def _pair(points, faces, half_edges, slack, edge):
     kinds = [begins[k] for k in turn]
     if any(one == two for one, two in zip(kinds, kinds[1:] + kinds[:1])):
         raise TouchingSheetsError(
-            "parts overlap there, so that its faces do not tell which of them belong together", edge
+            "parts overlap there, so that its faces do not tell which of them belong together",
+            edge,
+            "unite those parts, or move them apart",
         )
     exact = not any(_turn(axis, spokes[one], spokes[two]) for group in groups for one, two in zip(group, group[1:]))
     first = kinds.index(True)
@@ -88,7 +141,9 @@ def _group_by_angle(axis, spokes, reach, edge):
     length = _dot(axis, axis)
     breadth = [length * _dot(spoke, spoke) - _dot(axis, spoke) ** 2 for spoke in spokes]  # squares
     if not all(breadth):
-        raise TouchingSheetsError("a face without area has no direction there", edge)
+        raise TouchingSheetsError(
+            "a face without area has no direction there", edge, "delete that face by merging its corners"
+        )
     quarter = [_quarter(axis, length, spokes[0], spoke) for spoke in spokes]
 
     def compare(one, two):
@@ -138,7 +193,17 @@ def _dot(one, two):
 
 
 def lie_in_plane(points):
-    """Tell whether (n, 3) points lie, exactly, in one plane."""
+    """Tell whether points lie in one plane, exactly: no rounding is forgiven.
+
+    Parameters
+    ----------
+    points : (n, 3) float64
+        At least one.
+
+    Returns
+    -------
+    bool
+    """
     first, *others = _scale(points)[0]
     spokes = [[x - y for x, y in zip(point, first)] for point in others]
     axis = next((spoke for spoke in spokes if any(spoke)), (0, 0, 0))

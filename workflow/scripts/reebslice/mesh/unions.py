@@ -18,15 +18,30 @@ TRIALS = 2
 def unite_bodies(points, faces, body):
     """Unite the bodies that overlap, or that lie in one another's material.
 
-    points (n, 3), mesh units; faces (m, 3) of a closed surface, each vertex
-    with one fan of faces; body (m,) the body that each face bounds, voids
-    included. Returns the points and faces of the union, vertices of different
-    sheets apart; or None if all bodies are clear of each other. Bodies whose
-    boxes meet no other's stay as they are.
+    Bodies that meet in mere mesh edges or vertices stay apart; if they meet in
+    faces, rounding would decide, and the union is refused. Bodies whose boxes
+    meet no other's stay as they are.
 
-    Raises `UnionError` if manifold3d does not take a body, if a body that meets
-    others crosses itself, and if the shells of the union, or their genera,
-    change when the bodies move by `SHIFT`.
+    Parameters
+    ----------
+    points : (n, 3) float64, mesh units
+    faces : (m, 3) int
+        Of a closed and oriented surface, each vertex with one fan of faces.
+    body : (m,) int
+        The body that each face bounds, voids included.
+
+    Returns
+    -------
+    points, faces : (n', 3) float64 and (m', 3) int64, or None
+        The union, vertices of different sheets apart; None if all bodies are
+        clear of each other.
+
+    Raises
+    ------
+    UnionError
+        manifold3d does not take a body, a body that meets others crosses
+        itself, or the shells of the union, or their genera, change when the
+        bodies move by `SHIFT`.
     """
     numbers, body = np.unique(body, return_inverse=True)
     cluster = _cluster_boxes(points, faces, body, len(numbers))
