@@ -30,8 +30,11 @@ def check_holes(facts, ledger):
     _check_regions(facts, ledger, inner, host)
     facts.open["holes between two regions"] = is_open.sum()
     facts.open_holes = is_open
-    parent, unsure = find_parents(nest, found.shell)
+    parent, unsure = find_parents(nest)
     stated = np.array([-1 if p is None else p for p in t["parent"]], np.int64)
+    for contour in np.flatnonzero(~unsure & (stated != parent)).tolist():  # or another shell touches it there
+        others = [o for o in (stated[contour], parent[contour]) if o >= 0 and found.shell[o] != found.shell[contour]]
+        unsure[contour] = bool(others) and nest.meet(contour, others)
     ledger.rows("contours.parent", unsure | (stated == parent), "the smallest contour around it")
     facts.open["contours of unsure parent"] = (unsure & (stated != parent)).sum()
     lonely = inner & (parent < 0) & ~unsure

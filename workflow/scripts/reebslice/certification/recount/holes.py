@@ -48,10 +48,10 @@ class ContourNesting:
                 best = other
         return best if best >= 0 or not touching else touching[0], crosses, bool(touching)
 
-    def coincides(self, contour, members, shell):
-        """Whether `contour` runs along one of the members, of another shell, that was looked at."""
-        looked = (self.shares.get((contour, other), (0, True)) for other in members if shell[other] != shell[contour])
-        return any(not clear for _, clear in looked)
+    def meet(self, contour, others):
+        """Whether a contour comes as near to one of some others as rounding."""
+        curve, *around = self.curves.lines([contour, *others])
+        return bool(shapely.dwithin(curve, around, 2 * self.noise).any())
 
     def crosses_itself(self, body):
         """Whether two contours of one body were seen to cross; body : (C,) int."""
@@ -114,14 +114,12 @@ def find_hosts(nest, inner, body):
     return host, is_open
 
 
-def find_parents(nest, shell):
+def find_parents(nest):
     """Find the smallest contour around each one.
 
     Parameters
     ----------
     nest : ContourNesting
-    shell : (C,) int
-        Where contours of two shells coincide, the shells touch, and either may be around the other.
 
     Returns
     -------
@@ -132,8 +130,8 @@ def find_parents(nest, shell):
     """
     parent, unsure = np.full(len(nest.size), -1), np.zeros(len(nest.size), bool)
     for contour, near in nest.near.items():
-        parent[contour], crosses, touches = nest.innermost(contour, near)
-        unsure[contour] = crosses or touches or nest.coincides(contour, near, shell)
+        parent[contour], *seen = nest.innermost(contour, near)
+        unsure[contour] = any(seen)
     return parent, unsure
 
 
