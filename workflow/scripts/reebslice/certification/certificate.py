@@ -151,11 +151,22 @@ def _reason(facts, ledger):
 
 
 def _sides(check):
+    """The two sides of a check, in words."""
     return f"found {check['found']}, expected {check['expected']}."
 
 
 def unresolved_groups(facts):
-    """Handles (lists) of each piece that is not elementary and of each block whose order is open."""
+    """List the handles whose order the graph does not show.
+
+    Parameters
+    ----------
+    facts : Facts
+
+    Returns
+    -------
+    list of list of int
+        Of each piece that is not elementary, and of each block whose order is open.
+    """
     t = facts.columns
     groups = []
     for piece in np.flatnonzero(~facts.elementary).tolist():

@@ -140,6 +140,7 @@ def _check_pairs_shown(facts, ledger, name, full, simple, height, left_out):
 
 
 def _count_suppressed(facts, ledger, shown, left_out):
+    """Loops and components that the simplified graphs leave out, so that the genus is still told in full."""
     suppressed = facts.loops_surface - shown["surface"]
     facts.simplified = {
         "loops_surface": shown["surface"],

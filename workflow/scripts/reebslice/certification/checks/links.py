@@ -63,6 +63,7 @@ def _share_material(facts, level, body):
 
 
 def _check_material(facts, ledger, t):
+    """Points are in the plane of their level, inside their region, as far from its contours as told."""
     points = np.stack([t[k] for k in "xyz"], axis=1) @ facts.rotation.T
     ledger.rows(
         "nodes.position", np.abs(points[:, 2] - t["height"]) <= facts.noise, "the point is in the plane of its level"
@@ -114,6 +115,7 @@ def check_edges(facts, ledger):
 
 
 def _check_similarity(facts, ledger, t, source, target):
+    """Areas of regions, of what pairs of them share and of their union, and the ratio of those."""
     area, length, broken = facts.regions.area, facts.regions.length, facts.regions.broken
     areas = {"area_source": area[source], "area_target": area[target]}
     areas["area_intersection"] = share(facts.regions, source, target)
@@ -176,6 +178,7 @@ def _check_arc_measures(facts, ledger, graph, rows, keys, wanted):
 
 
 def _check_arc_similarity(facts, ledger, t):
+    """The smallest similarity along each arc of the solid."""
     edges = facts.columns.edges
     pairs = dict(zip(zip(edges["source"].tolist(), edges["target"].tolist()), edges["similarity"].tolist()))
     holds = []
@@ -246,12 +249,14 @@ def _largest(facts, handles):
 
 
 def _solid_parts(facts):
+    """The blocks as parts, each with the handles that are nodes of the solid's graph."""
     joints = [h if chain else _largest(facts, h) for h, chain in zip(facts.handles_of_block, facts.chains)]
     measure = np.bincount(facts.block, facts.piece_flux, facts.n_blocks)
     return GraphParts(facts.block_above, facts.block_below, joints, measure)
 
 
 def _surface_parts(facts):
+    """The pieces as parts, each with the handle that is a node of the surface's graph."""
     handles = [[] for _ in facts.kinds]
     for handle, piece in enumerate(facts.columns.handles["piece"].tolist()):
         handles[piece].append(handle)
@@ -266,12 +271,14 @@ def _lone_parts(parts):
 
 
 def _path_points(facts):
+    """Points (I, 3) in the model frame that arcs pass, per graph."""
     nodes, contours = facts.columns.nodes, facts.columns.contours
     centres = np.column_stack([facts.centres, contours["height"]]) @ facts.rotation
     return {"solid": np.stack([nodes[k] for k in "xyz"], axis=1), "surface": centres}
 
 
 def _length(facts, key, points):
+    """Length of the path from the lower event of an arc along its points to the upper one."""
     source, target, items = key
     ends = np.stack([column[facts.columns.handles["vertex"][[source, target]]] for column in facts.points], axis=-1)
     path = np.concatenate([ends[:1], points[list(items)].reshape(-1, 3), ends[1:]])

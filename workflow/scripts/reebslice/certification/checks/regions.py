@@ -65,6 +65,7 @@ def _check_chains(facts, ledger, inner, certain):
 
 
 def _cylinder_chains(facts, n_contours):
+    """The chain of each contour, (C,): contours that cylinders, one on top of the other, hold together."""
     cylinder = (facts.kinds == "cylinder")[facts.above], (facts.kinds == "cylinder")[facts.below]
     low = np.full(len(facts.kinds), -1)
     low[facts.above[cylinder[0]]] = np.flatnonzero(cylinder[0])
@@ -73,6 +74,7 @@ def _cylinder_chains(facts, n_contours):
 
 
 def _check_regions(facts, ledger, inner, host):
+    """Regions have one outer contour each, and the holes that it is the smallest around."""
     t, nodes = facts.columns.contours, facts.columns.nodes
     region = t["region"]
     outer = np.flatnonzero(~inner)

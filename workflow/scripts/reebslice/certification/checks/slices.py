@@ -149,6 +149,7 @@ def _measure_pieces(facts, row):
 
 
 def _check_measures(facts, ledger, t):
+    """Columns of the pieces that are counted or measured."""
     n_below, n_above = facts.piece_ends
     for column, values in (
         ("slab", facts.slab), ("shell", facts.piece_shell), ("n_below", n_below), ("n_above", n_above),
@@ -199,6 +200,7 @@ def _ends_agree(name, found, below, above, n):
 
 
 def _kind(n_below, n_above, genus):
+    """The kind of a piece by its contours below and above and its genus."""
     if n_below + n_above == 0:
         return "unseen"
     return ELEMENTARY.get((n_below, n_above), "compound") if genus == 0 else "compound"

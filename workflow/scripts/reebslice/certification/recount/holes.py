@@ -30,11 +30,22 @@ class ContourNesting:
         self.shares = {}
 
     def innermost(self, contour, members):
-        """The smallest of `members`, ascending, around `contour` or -1; whether some member crosses or touches it.
+        """Find the smallest contour around another.
 
-        Two bools: one that crosses has parts of `contour` on both sides of it;
-        one that touches runs along with it, so that exact numbers differ from
-        point to point. It is around it only if no other member is.
+        Parameters
+        ----------
+        contour : int
+        members : list of int
+            What may be around it, the smallest first.
+
+        Returns
+        -------
+        best : int
+            -1 for none. A member that touches counts only if no other is around.
+        crosses : bool
+            Whether `contour` has parts on both sides of some member.
+        touches : bool
+            Whether it runs along with one, so that exact numbers differ from point to point.
         """
         best, crosses, touching = -1, False, []
         for other in members:
@@ -49,19 +60,48 @@ class ContourNesting:
         return best if best >= 0 or not touching else touching[0], crosses, bool(touching)
 
     def meet(self, contour, others):
-        """Whether a contour comes as near to one of some others as rounding."""
+        """Tell whether a contour comes as near to one of some others as rounding.
+
+        Parameters
+        ----------
+        contour : int
+        others : list of int
+
+        Returns
+        -------
+        bool
+        """
         curve, *around = self.curves.lines([contour, *others])
         return bool(shapely.dwithin(curve, around, 2 * self.noise).any())
 
     def crosses_itself(self, body):
-        """Whether two contours of one body were seen to cross; body : (C,) int."""
+        """Tell whether two contours of one body were seen to cross.
+
+        Parameters
+        ----------
+        body : (C,) int
+
+        Returns
+        -------
+        bool
+        """
         return any(
             clear and 0 < share < 1 and body[contour] == body[other]
             for (contour, other), (share, clear) in self.shares.items()
         )
 
     def most(self, hole, members):
-        """The member that holds most of a hole that crosses them, of equal ones the smallest."""
+        """Choose the member that holds most of a hole that crosses them, of equal ones the smallest.
+
+        Parameters
+        ----------
+        hole : int
+        members : list of int
+
+        Returns
+        -------
+        int
+        """
         members = sorted(members, key=self.size.__getitem__)
         hole, *others = self.curves.lines([hole, *members])
         shares = [_area_share(hole, _polygon(other)) for other in others]
