@@ -471,7 +471,7 @@ def test_every_figure_of_the_tilt_is_caught(key):
 
 @pytest.mark.parametrize("name", TABLES)
 def test_malformed_tables_fail_a_check_and_raise_nothing(name):
-    tables, tilt, graphs = results("flat")
+    tables, tilt, graphs = results("mixture")
     assert caught(tables | {name: tables[name].slice(0, 0)}, tilt, graphs)
     assert caught(tables | {name: tables[name].drop_columns(tables[name].column_names[:1])}, tilt, graphs)
     assert caught({n: t for n, t in tables.items() if n != name}, tilt, graphs)

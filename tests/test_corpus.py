@@ -412,6 +412,14 @@ def test_the_table_of_models_does_not_depend_on_the_batches():
     assert one["note"].to_pylist() == [None] * 4
 
 
+def test_the_table_of_models_says_why_one_is_uncertified():
+    write_json(
+        MODELS_FOLDER / "a" / "certificate.json", {"verdict": "uncertified", "reason": "The surface crosses itself."}
+    )
+    write_json(MODELS_FOLDER / "b" / "certificate.json", {"verdict": "exact", "reason": ""})
+    assert models_of(("x", "ab"))["reason"].to_pylist() == ["The surface crosses itself.", ""]
+
+
 def test_long_groups_and_lists_of_figures_are_left_out():
     facts = {"short": list(range(8)), "long": list(range(9)), "many": dict.fromkeys("abcdefghi", 1), "nested": [[1]]}
     write_json(MODELS_FOLDER / "a" / "certificate.json", facts)

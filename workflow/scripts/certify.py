@@ -6,12 +6,11 @@ certified is what users get.
 
 from pathlib import Path
 
-import numpy as np
-
 from corpus.stages import run_batch
 from corpus.storage import read_blocks, read_json, read_table, write_json
 from reebslice.certification.certificate import certify
 from reebslice.certification.graphml import parse_graph
+from reebslice.certification.lengths import mesh_lengths
 from reebslice.certification.recount.curves import POINT, read_curves
 from reebslice.schemas import GRAPHS, MODEL_TABLES
 
@@ -30,22 +29,6 @@ def main(source, target, options):
     graphs = {name: parse_graph((source / f"{name}.graphml").read_bytes()) for name in GRAPHS}
     size, distance = mesh_lengths(tables["vertices"], tilt, options)
     write_json(Path(target) / "certificate.json", certify(tables, tilt, graphs, size, distance, curves))
-
-
-def mesh_lengths(vertices, tilt, options):
-    """Feature size and distance between levels of a model, in mesh units.
-
-    Of `feature_size` and `distance` either may be null: the distance is half
-    the feature size. Relative ones are parts of the height range.
-    """
-    distance, size = options.get("distance"), options.get("feature_size")
-    distance = size / 2 if distance is None else distance
-    size = 2 * distance if size is None else size
-    scale = 1.0
-    if options.get("units", "relative") == "relative":
-        points = np.stack([np.from_dlpack(vertices[axis].combine_chunks()) for axis in "xyz"], axis=1)
-        scale = float(np.ptp(points @ np.asarray(tilt["direction"], float)))
-    return size * scale, distance * scale
 
 
 if "snakemake" in globals():

@@ -68,20 +68,32 @@ BY_SOS = (
 
 
 def certify(tables, tilt, graphs, feature_size, distance=None, curves=None):
-    """The certificate of one model, a dict that JSON can hold.
+    """Make the certificate of one model.
 
     Parameters
     ----------
-    tables : dict of pyarrow tables vertices, faces, shells, levels, contours,
-        pieces, handles, critical_points, critical_arcs, nodes, edges, arcs,
-        as `schemas` declares them
-    tilt : dict, the content of tilt.json
-    graphs : dict of :class:`graphml.ReadGraph`, by the names in `schemas.GRAPHS`
-    feature_size : float, mesh units; what is smaller may stay unresolved in a
-        model that is `exact_at_feature_size`
-    distance : float or None, mesh units; the largest spacing of uniform levels
-    curves : what :func:`curves.read_curves` tells of the contours; then their table is without `geometry`
+    tables : dict of pyarrow.Table
+        All of `schemas.MODEL_TABLES`, as `schemas` declares them.
+    tilt : dict
+        The content of tilt.json.
+    graphs : dict of ReadGraph
+        By the names in `schemas.GRAPHS`.
+    feature_size : float
+        In mesh units; what is smaller may stay unresolved in a model that is `exact_at_feature_size`.
+    distance : float, optional
+        In mesh units; the largest spacing of uniform levels.
+    curves : tuple, optional
+        What :func:`recount.curves.read_curves` tells of the contours; then their table is without `geometry`.
 
+    Returns
+    -------
+    dict
+        That JSON can hold: `verdict`, `reason` (why it is uncertified and what
+        to do, else empty), figures (None where unknown) and `checks`, each by
+        name with its two sides.
+
+    Notes
+    -----
     Never raises on account of the tables: what contradicts itself so badly
     that a step cannot be made is a check that fails, and the steps that build
     on it are entered as not made.
@@ -139,11 +151,22 @@ def _reason(facts, ledger):
 
 
 def _sides(check):
+    """The two sides of a check, in words."""
     return f"found {check['found']}, expected {check['expected']}."
 
 
 def unresolved_groups(facts):
-    """Handles (lists) of each piece that is not elementary and of each block whose order is open."""
+    """List the handles whose order the graph does not show.
+
+    Parameters
+    ----------
+    facts : Facts
+
+    Returns
+    -------
+    list of list of int
+        Of each piece that is not elementary, and of each block whose order is open.
+    """
     t = facts.columns
     groups = []
     for piece in np.flatnonzero(~facts.elementary).tolist():
@@ -162,15 +185,6 @@ def _small(facts, group):
 def _figures(facts):
     """Everything in the certificate besides verdict and checks; None where unknown."""
     kinds, handles = facts.kinds, getattr(facts.columns, "handles", None)
-    similarity = None
-    if facts.similarity is not None and len(facts.similarity):
-        values = facts.similarity
-        similarity = {
-            "min": float(values.min()),
-            "median": float(np.median(values)),
-            "max": float(values.max()),
-            "share_below_half": float((values < 0.5).mean()),
-        }
     index = None if handles is None else np.asarray(handles["index"])
     cancelled, why = facts.cancelled, getattr(facts.columns, "levels", {}).get("why")
     tilt = facts.tilt if isinstance(facts.tilt, dict) else {}
@@ -198,7 +212,7 @@ def _figures(facts):
         "morse": tilt.get("morse"),
         "height_interpretation": BY_SOS if tilt.get("morse") == "by_sos" else "",
         "feature_size": float(facts.size),
-        "similarity": similarity,
+        "similarity": _similarity_figures(facts.similarity),
         "open_questions": {name: int(value) for name, value in facts.open.items()},
         "solid_interpretation": " ".join(
             text for text, holds in ((APART, facts.entangled), (CROSSING, facts.crossing)) if holds
@@ -206,3 +220,11 @@ def _figures(facts):
         "volume": facts.volume,
         "area": facts.area,
     }
+
+
+def _similarity_figures(values):
+    """Statistics of the edges' similarities; None without edges."""
+    if values is None or not len(values):
+        return None
+    extremes = {"min": float(values.min()), "median": float(np.median(values)), "max": float(values.max())}
+    return extremes | {"share_below_half": float((values < 0.5).mean())}

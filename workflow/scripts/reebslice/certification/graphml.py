@@ -15,12 +15,25 @@ class ReadGraph(NamedTuple):
 
 
 def parse_graph(document):
-    """The :class:`ReadGraph` of a GraphML document (bytes).
+    """Read a graph from GraphML.
 
-    Attributes have their declared names and types, as `networkx.read_graphml`
-    tells them. Raises ValueError unless the document holds one undirected
-    graph and each node of it once, KeyError for an attribute that it does not
-    declare or an edge without ends or id, ExpatError if it is no XML.
+    Parameters
+    ----------
+    document : bytes
+
+    Returns
+    -------
+    ReadGraph
+        Attributes have their declared names and types, as `networkx.read_graphml` tells them.
+
+    Raises
+    ------
+    ValueError
+        Unless the document holds one undirected graph and each node of it once.
+    KeyError
+        For an attribute that it does not declare, or an edge without ends or id.
+    xml.parsers.expat.ExpatError
+        If it is no XML.
     """
     reader = _Reader()
     parser = expat.ParserCreate()
@@ -70,4 +83,5 @@ class _Reader:
 
 
 def _read_word(text):
+    """A word of GraphML as a bool."""
     return WORDS[text.lower()]

@@ -10,29 +10,59 @@ class Ledger:
         self.checks = {}
 
     def enter(self, name, found, expected, holds=None, says=""):
-        """Enter a check; it holds if the two sides are equal, unless `holds` tells."""
+        """Enter a check.
+
+        Parameters
+        ----------
+        name : str
+        found, expected
+            Its two sides.
+        holds : bool, optional
+            Whether it holds; if not given, whether the two sides are equal.
+        says : str
+            What differs.
+        """
         holds = found == expected if holds is None else holds
         self.checks[name] = {"found": _plain(found), "expected": _plain(expected), "holds": bool(holds), "says": says}
 
     def rows(self, name, agree, what):
-        """Enter a check of rows: (n,) bool, all of which must agree."""
+        """Enter a check of the rows of a table.
+
+        Parameters
+        ----------
+        name : str
+        agree : (n,) bool
+            All must.
+        what : str
+            What each row is held against.
+        """
         agree = np.asarray(agree, bool)
         wrong = np.flatnonzero(~agree)
         says = f"{len(wrong)} of {len(agree)} rows differ: {what}; the first is row {wrong[0]}." if len(wrong) else ""
         self.enter(name, int(agree.sum()), len(agree), says=says)
 
     def close(self, name, found, expected, tolerance):
-        """Enter a check of two numbers that may differ by `tolerance`."""
+        """Enter a check of two numbers.
+
+        Parameters
+        ----------
+        name : str
+        found, expected : float
+        tolerance : float
+            By how much they may differ.
+        """
         holds = bool(abs(found - expected) <= tolerance)
         self.enter(
             name, float(found), float(expected), holds, "" if holds else f"They differ by more than {tolerance:.3g}."
         )
 
     def holds(self):
+        """Tell whether there are checks and all of them hold."""
         return bool(self.checks) and all(check["holds"] for check in self.checks.values())
 
 
 def _plain(value):
+    """A value as JSON can hold it."""
     if isinstance(value, np.generic):
         value = value.item()
     if isinstance(value, float) and not np.isfinite(value):

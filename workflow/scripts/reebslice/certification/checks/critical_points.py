@@ -90,54 +90,70 @@ def check_simplified(facts, ledger):
     """Graphs without pairs below the feature size, and everything above it still there."""
     shown, left_out = {}, {}
     for graph, measure in (("solid", "volume"), ("surface", "area")):
-        full, simple = facts.graphs[graph], facts.graphs[f"{graph}_simplified"]
-        name = f"{graph}_simplified"
+        full, simple, name = facts.graphs[graph], facts.graphs[f"{graph}_simplified"], f"{graph}_simplified"
         same = [full.nodes.get(node) == data for node, data in simple.nodes.items()]
         ledger.rows(f"{name}.nodes", same, f"nodes of the graph {graph}, with their attributes")
         if not all(same):
             continue
         parts = _large_components(facts, full)
-        ledger.rows(f"{name}.components", [not part.isdisjoint(simple.nodes) for part in parts], "shown if large")
-        large = set().union(*parts)
-        ledger.rows(f"{name}.component", [node in large for node in simple.nodes], "in a component that is shown")
-        total = [sum(d.get(measure, 0.0) for a, _, _, d in g.edges if a in large) for g in (full, simple)]
-        ledger.close(f"{name}.{measure}", total[1], total[0], 1e-9 * sum(abs(t) for t in total))
+        left_out[graph] = len(find_parts(full)) - len(parts)
         height = {node: data["height"] for node, data in full.nodes.items()}
-        edges = [(sorted((height[a], height[b])), key, d) for a, b, key, d in simple.edges]
-        ledger.rows(
-            f"{name}.edges",
-            [d.get("id") == key == f"{'s' if graph == 'solid' else 'c'}{d.get('arc')}"
-             and [d.get("lower"), d.get("upper")] == span for span, key, d in edges],
-            "id, and heights of its ends",
-        )  # fmt: skip
-        before, after = _graph_pairs(full, height), _graph_pairs(simple, height)
-        span = lambda pair: height[pair[1]] - height[pair[0]]  # noqa: E731
-        small = [pair for kind in after for pair in kind if span(pair) < facts.size]
-        ledger.enter(f"{name}: pairs below the feature size", len(small), 0)
-        large = [[pair for pair in kind if span(pair) >= facts.size] for kind in before]
-        if len(large[2]) == len(before[2]):  # gluing a loop may move other pairs
-            ledger.enter(f"{name}: pairs of the feature size", after == large, True)
-        if large == before and len(parts) == len(find_parts(full)):  # nothing to cancel
-            ledger.enter(f"{name}: arcs", _ends(neighbours(simple)) == _ends(_without_passed(full, simple)), True)
-        else:
-            around = neighbours(full)
-            joined = [_joined(around, height, a, b, facts.size) for a, b, *_ in simple.edges]
-            ledger.rows(f"{name}.ends", joined, "joined in the full graph, by a way not far beyond their heights")
-        shown[graph], left_out[graph] = len(after[2]), len(find_parts(full)) - len(parts)
+        _check_shown(ledger, name, measure, full, simple, parts)
+        letter = "s" if graph == "solid" else "c"
+        edges = [
+            d.get("id") == key == f"{letter}{d.get('arc')}"
+            and [d.get("lower"), d.get("upper")] == sorted((height[a], height[b]))
+            for a, b, key, d in simple.edges
+        ]
+        ledger.rows(f"{name}.edges", edges, "id, and heights of its ends")
+        shown[graph] = _check_pairs_shown(facts, ledger, name, full, simple, height, left_out[graph])
     if len(shown) == 2:
-        suppressed = facts.loops_surface - shown["surface"]
-        facts.simplified = {
-            "loops_surface": shown["surface"],
-            "loops_solid": shown["solid"],
-            "suppressed_loops": suppressed,
-            "suppressed_shells": left_out["surface"],
-            "suppressed_parts": left_out["solid"],
-            "nodes_surface": len(facts.graphs["surface_simplified"].nodes),
-            "nodes_solid": len(facts.graphs["solid_simplified"].nodes),
-        }
-        loops = shown["surface"] + suppressed + facts.hidden
-        holds = loops == facts.genus and suppressed >= 0
-        ledger.enter("genus = simplified loops + suppressed + hidden", loops, facts.genus, holds)
+        _count_suppressed(facts, ledger, shown, left_out)
+
+
+def _check_shown(ledger, name, measure, full, simple, parts):
+    """Of the large components something is shown, of the others nothing, and areas or volumes are kept."""
+    ledger.rows(f"{name}.components", [not part.isdisjoint(simple.nodes) for part in parts], "shown if large")
+    large = set().union(*parts)
+    ledger.rows(f"{name}.component", [node in large for node in simple.nodes], "in a component that is shown")
+    total = [sum(d.get(measure, 0.0) for a, _, _, d in g.edges if a in large) for g in (full, simple)]
+    ledger.close(f"{name}.{measure}", total[1], total[0], 1e-9 * sum(abs(t) for t in total))
+
+
+def _check_pairs_shown(facts, ledger, name, full, simple, height, left_out):
+    """No pair is below the feature size, and those above it are kept; the number of loops shown."""
+    before, after = _graph_pairs(full, height), _graph_pairs(simple, height)
+    large, kept = (
+        [[(a, b) for a, b in kind if height[b] - height[a] >= facts.size] for kind in pairs]
+        for pairs in (before, after)
+    )
+    ledger.enter(f"{name}: pairs below the feature size", sum(map(len, after)) - sum(map(len, kept)), 0)
+    if len(large[2]) == len(before[2]):  # gluing a loop may move other pairs
+        ledger.enter(f"{name}: pairs of the feature size", after == large, True)
+    if large == before and not left_out:  # nothing to cancel
+        ledger.enter(f"{name}: arcs", _ends(neighbours(simple)) == _ends(_without_passed(full, simple)), True)
+    else:
+        around = neighbours(full)
+        joined = [_joined(around, height, a, b, facts.size) for a, b, *_ in simple.edges]
+        ledger.rows(f"{name}.ends", joined, "joined in the full graph, by a way not far beyond their heights")
+    return len(after[2])
+
+
+def _count_suppressed(facts, ledger, shown, left_out):
+    """Loops and components that the simplified graphs leave out, so that the genus is still told in full."""
+    suppressed = facts.loops_surface - shown["surface"]
+    facts.simplified = {
+        "loops_surface": shown["surface"],
+        "loops_solid": shown["solid"],
+        "suppressed_loops": suppressed,
+        "suppressed_shells": left_out["surface"],
+        "suppressed_parts": left_out["solid"],
+        "nodes_surface": len(facts.graphs["surface_simplified"].nodes),
+        "nodes_solid": len(facts.graphs["solid_simplified"].nodes),
+    }
+    loops = shown["surface"] + suppressed + facts.hidden
+    holds = loops == facts.genus and suppressed >= 0
+    ledger.enter("genus = simplified loops + suppressed + hidden", loops, facts.genus, holds)
 
 
 def _ends(around):

@@ -73,6 +73,7 @@ def check_form(facts, ledger):
 
 
 def _schema_fault(name, table, apart):
+    """What is wrong with the form of a table: a list of one sentence, or of none."""
     if not isinstance(table, pa.Table):
         return [f"Table {name} is missing."]
     try:
@@ -83,6 +84,7 @@ def _schema_fault(name, table, apart):
 
 
 def _document_faults(tilt, graphs):
+    """What is wrong with the form of the tilt and the graphs, as sentences."""
     shapes = {"rotation": (3, 3), "direction": (3,)}
     for name, shape in shapes.items():
         try:
@@ -115,6 +117,7 @@ def _columns(table):
 
 
 def _flat(values):
+    """The numbers of a column, those in its lists one after the other, without nulls."""
     if isinstance(values, np.ndarray):
         return values
     flat = [v for value in values if value is not None for v in (value if isinstance(value, list) else [value])]

@@ -50,6 +50,7 @@ def check_graphs(facts, ledger):
 
 
 def _same_edge(facts, name, data, row, key, columns):
+    """Whether an edge of a graph has what the columns of its arc say."""
     arcs = facts.columns.arcs
     same = all(_same(data.get(c), arcs[c][row]) for c in columns)
     return same and data.get("id") == name and data.get("n_nodes") == len(key[2])
@@ -95,6 +96,7 @@ def _count_handles(facts, graph):
 
 
 def _check_augmented(facts, ledger):
+    """The graph of all material points: its nodes, edges and attributes."""
     found, parts = facts.graphs["augmented"], facts.parts["solid"]
     joints = sorted(h for members in parts.joints for h in members)
     names = [f"h{h}" for h in joints] + [f"n{n}" for n in facts.columns.nodes["node"].tolist()]

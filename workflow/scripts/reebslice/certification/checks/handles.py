@@ -92,6 +92,7 @@ def _check_events(facts, ledger, t, piece):
 
 
 def _change(inner, below, above):
+    """The word of a change, such as o->i,o, from the contours below and above."""
     sides = (sorted("i" if inner[c] else "o" for c in end) for end in (below, above))
     return "->".join(",".join(end) for end in sides)
 

@@ -63,6 +63,7 @@ def _share_material(facts, level, body):
 
 
 def _check_material(facts, ledger, t):
+    """Points are in the plane of their level, inside their region, as far from its contours as told."""
     points = np.stack([t[k] for k in "xyz"], axis=1) @ facts.rotation.T
     ledger.rows(
         "nodes.position", np.abs(points[:, 2] - t["height"]) <= facts.noise, "the point is in the plane of its level"
@@ -114,6 +115,7 @@ def check_edges(facts, ledger):
 
 
 def _check_similarity(facts, ledger, t, source, target):
+    """Areas of regions, of what pairs of them share and of their union, and the ratio of those."""
     area, length, broken = facts.regions.area, facts.regions.length, facts.regions.broken
     areas = {"area_source": area[source], "area_target": area[target]}
     areas["area_intersection"] = share(facts.regions, source, target)
@@ -132,16 +134,11 @@ def _check_similarity(facts, ledger, t, source, target):
 
 def check_arcs(facts, ledger):
     """Arcs are the maximal chains between joints, with their sums."""
-    t, handles = facts.columns.arcs, facts.columns.handles
+    t = facts.columns.arcs
     facts.parts = {"solid": _solid_parts(facts), "surface": _surface_parts(facts)}
     levels = {"solid": facts.columns.nodes["level"], "surface": facts.columns.contours["level"]}
-    points = _path_points(facts)
     facts.arcs = {}
-    for graph, measure, total, noise in (
-        ("solid", "volume", facts.volume, facts.volume_noise),
-        ("surface", "area", facts.area, facts.area_noise),
-    ):
-        parts = facts.parts[graph]
+    for graph, parts in facts.parts.items():
         expected, odd = find_arcs(parts, levels[graph])
         ledger.enter(f"arcs.{graph}.parts_that_no_arc_passes", len(odd), 0)
         rows = np.flatnonzero(t["graph"] == graph)
@@ -150,37 +147,38 @@ def check_arcs(facts, ledger):
         ledger.enter(f"arcs.{graph}.number", len(keys), len(expected))
         ledger.enter(f"arcs.{graph}.distinct", len(set(keys)), len(keys))
         ledger.rows(f"arcs.{graph}.chain", [key in expected for key in keys], "a maximal chain between two events")
-        if not all(key in expected for key in keys):
-            continue
-        facts.arcs[graph] = dict(zip(rows.tolist(), keys))
-        values = np.array([np.nan if t[measure][r] is None else t[measure][r] for r in rows], float)
-        wanted = np.array([expected[key] for key in keys])
-        ledger.rows(
-            f"arcs.{graph}.{measure}",
-            np.abs(values - wanted) <= noise + 1e-7 * np.abs(wanted),
-            f"{measure} of its slabs",
-        )
-        alone = sum(parts.measure[p] for p in _lone_parts(parts))
-        ledger.close(f"arcs.{graph}.total_{measure}", float(np.nansum(values)) + float(alone), total, 100 * noise)
-        other = "area" if measure == "volume" else "volume"
-        ledger.rows(
-            f"arcs.{graph}.no_{other}", [t[other][r] is None for r in rows], f"the {graph} graph has no {other}"
-        )
-        source, target = ([key[k] for key in keys] for k in (0, 1))
-        ledger.rows(f"arcs.{graph}.lower", t["lower"][rows] == handles["height"][source], "height of the lower event")
-        ledger.rows(f"arcs.{graph}.upper", t["upper"][rows] == handles["height"][target], "height of the upper event")
-        length = [_length(facts, key, points[graph]) for key in keys]
-        ledger.rows(
-            f"arcs.{graph}.length",
-            np.abs(t["length"][rows] - length) <= 1e-9 * np.array(length) + facts.noise,
-            "length of the path along its points",
-        )
+        if all(key in expected for key in keys):
+            facts.arcs[graph] = dict(zip(rows.tolist(), keys))
+            _check_arc_measures(facts, ledger, graph, rows, keys, np.array([expected[key] for key in keys]))
     _check_arc_similarity(facts, ledger, t)
     if len(facts.arcs) == 2:
         _check_bounds(facts, ledger, t)
 
 
+def _check_arc_measures(facts, ledger, graph, rows, keys, wanted):
+    """Volumes or areas, heights of the ends and lengths of arcs; wanted : volume or area of each."""
+    t, height, parts = facts.columns.arcs, facts.columns.handles["height"], facts.parts[graph]
+    measure, other, total, noise = {
+        "solid": ("volume", "area", facts.volume, facts.volume_noise),
+        "surface": ("area", "volume", facts.area, facts.area_noise),
+    }[graph]
+    values = np.array([np.nan if t[measure][r] is None else t[measure][r] for r in rows], float)
+    room = noise + 1e-7 * np.abs(wanted)
+    ledger.rows(f"arcs.{graph}.{measure}", np.abs(values - wanted) <= room, f"{measure} of its slabs")
+    alone = sum(parts.measure[p] for p in _lone_parts(parts))
+    ledger.close(f"arcs.{graph}.total_{measure}", float(np.nansum(values)) + float(alone), total, 100 * noise)
+    ledger.rows(f"arcs.{graph}.no_{other}", [t[other][r] is None for r in rows], f"the {graph} graph has no {other}")
+    for end, place in (("lower", 0), ("upper", 1)):
+        same = t[end][rows] == height[[key[place] for key in keys]]
+        ledger.rows(f"arcs.{graph}.{end}", same, f"height of the {end} event")
+    points = _path_points(facts)[graph]
+    length = np.array([_length(facts, key, points) for key in keys])
+    room = 1e-9 * length + facts.noise
+    ledger.rows(f"arcs.{graph}.length", np.abs(t["length"][rows] - length) <= room, "length along its points")
+
+
 def _check_arc_similarity(facts, ledger, t):
+    """The smallest similarity along each arc of the solid."""
     edges = facts.columns.edges
     pairs = dict(zip(zip(edges["source"].tolist(), edges["target"].tolist()), edges["similarity"].tolist()))
     holds = []
@@ -251,12 +249,14 @@ def _largest(facts, handles):
 
 
 def _solid_parts(facts):
+    """The blocks as parts, each with the handles that are nodes of the solid's graph."""
     joints = [h if chain else _largest(facts, h) for h, chain in zip(facts.handles_of_block, facts.chains)]
     measure = np.bincount(facts.block, facts.piece_flux, facts.n_blocks)
     return GraphParts(facts.block_above, facts.block_below, joints, measure)
 
 
 def _surface_parts(facts):
+    """The pieces as parts, each with the handle that is a node of the surface's graph."""
     handles = [[] for _ in facts.kinds]
     for handle, piece in enumerate(facts.columns.handles["piece"].tolist()):
         handles[piece].append(handle)
@@ -271,12 +271,14 @@ def _lone_parts(parts):
 
 
 def _path_points(facts):
+    """Points (I, 3) in the model frame that arcs pass, per graph."""
     nodes, contours = facts.columns.nodes, facts.columns.contours
     centres = np.column_stack([facts.centres, contours["height"]]) @ facts.rotation
     return {"solid": np.stack([nodes[k] for k in "xyz"], axis=1), "surface": centres}
 
 
 def _length(facts, key, points):
+    """Length of the path from the lower event of an arc along its points to the upper one."""
     source, target, items = key
     ends = np.stack([column[facts.columns.handles["vertex"][[source, target]]] for column in facts.points], axis=-1)
     path = np.concatenate([ends[:1], points[list(items)].reshape(-1, 3), ends[1:]])

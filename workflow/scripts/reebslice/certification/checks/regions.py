@@ -30,8 +30,11 @@ def check_holes(facts, ledger):
     _check_regions(facts, ledger, inner, host)
     facts.open["holes between two regions"] = is_open.sum()
     facts.open_holes = is_open
-    parent, unsure = find_parents(nest, found.shell)
+    parent, unsure = find_parents(nest)
     stated = np.array([-1 if p is None else p for p in t["parent"]], np.int64)
+    for contour in np.flatnonzero(~unsure & (stated != parent)).tolist():  # or another shell touches it there
+        others = [o for o in (stated[contour], parent[contour]) if o >= 0 and found.shell[o] != found.shell[contour]]
+        unsure[contour] = bool(others) and nest.meet(contour, others)
     ledger.rows("contours.parent", unsure | (stated == parent), "the smallest contour around it")
     facts.open["contours of unsure parent"] = (unsure & (stated != parent)).sum()
     lonely = inner & (parent < 0) & ~unsure
@@ -62,6 +65,7 @@ def _check_chains(facts, ledger, inner, certain):
 
 
 def _cylinder_chains(facts, n_contours):
+    """The chain of each contour, (C,): contours that cylinders, one on top of the other, hold together."""
     cylinder = (facts.kinds == "cylinder")[facts.above], (facts.kinds == "cylinder")[facts.below]
     low = np.full(len(facts.kinds), -1)
     low[facts.above[cylinder[0]]] = np.flatnonzero(cylinder[0])
@@ -70,6 +74,7 @@ def _cylinder_chains(facts, n_contours):
 
 
 def _check_regions(facts, ledger, inner, host):
+    """Regions have one outer contour each, and the holes that it is the smallest around."""
     t, nodes = facts.columns.contours, facts.columns.nodes
     region = t["region"]
     outer = np.flatnonzero(~inner)

@@ -130,42 +130,40 @@ def check_pieces(facts, ledger):
     ledger.rows("pieces.contours", met & _ends_agree(name, found, below, above, n), "contours below and above")
     if not met.all():
         raise ValueError(f"piece {np.flatnonzero(~met)[0]} of the table is no piece of the mesh")
-    facts.piece = name  # recounted piece -> row
-    row = np.argsort(name)  # row -> recounted piece
-    facts.below, facts.above = below, above
-    n_below = np.bincount(found.above, minlength=len(found.slab))[row]
-    n_above = np.bincount(found.below, minlength=len(found.slab))[row]
-    euler = found.euler[row]
-    genus = (2 - n_below - n_above - euler) // 2
-    kinds = [_kind(*ends) for ends in zip(n_below.tolist(), n_above.tolist(), genus.tolist())]
-    facts.kinds = np.array(kinds, object)
-    facts.slab, facts.piece_genus, facts.piece_euler, facts.piece_ends = (
-        found.slab[row],
-        genus,
-        euler,
-        (n_below, n_above),
-    )
-    facts.piece_shell, facts.piece_area, facts.piece_flux = (
-        found.piece_shell[row],
-        found.piece_area[row],
-        found.flux[row],
-    )
-    facts.hidden = int(genus.sum())
+    facts.piece, facts.below, facts.above = name, below, above
+    _measure_pieces(facts, np.argsort(name))
+    _check_measures(facts, ledger, t)
+    _check_essential(facts, ledger, t)
+
+
+def _measure_pieces(facts, row):
+    """What is counted of each piece, in the order of the table; row : (P,) the recounted piece of each of its rows."""
+    found = facts.recount
+    ends = facts.piece_ends = tuple(np.bincount(c, minlength=len(row))[row] for c in (found.above, found.below))
+    facts.slab, facts.piece_shell, facts.piece_euler = found.slab[row], found.piece_shell[row], found.euler[row]
+    facts.piece_area, facts.piece_flux = found.piece_area[row], found.flux[row]
+    facts.piece_genus = (2 - sum(ends) - facts.piece_euler) // 2
+    facts.kinds = np.array([_kind(*shape) for shape in zip(*(v.tolist() for v in (*ends, facts.piece_genus)))], object)
     facts.elementary = (facts.kinds != "compound") & (facts.kinds != "unseen")
+    facts.hidden = int(facts.piece_genus.sum())
+
+
+def _check_measures(facts, ledger, t):
+    """Columns of the pieces that are counted or measured."""
+    n_below, n_above = facts.piece_ends
     for column, values in (
         ("slab", facts.slab), ("shell", facts.piece_shell), ("n_below", n_below), ("n_above", n_above),
-        ("euler_characteristic", euler), ("genus", genus), ("kind", facts.kinds),
+        ("euler_characteristic", facts.piece_euler), ("genus", facts.piece_genus), ("kind", facts.kinds),
     ):  # fmt: skip
         ledger.rows(f"pieces.{column}", t[column] == values, f"{column} counted on the mesh")
-    ledger.enter("genus_of_pieces_is_whole", int(((n_below + n_above + euler) % 2).sum() + (genus < 0).sum()), 0)
+    odd = ((n_below + n_above + facts.piece_euler) % 2).sum() + (facts.piece_genus < 0).sum()
+    ledger.enter("genus_of_pieces_is_whole", int(odd), 0)
     for column, values, noise in (
         ("area", facts.piece_area, facts.area_noise),
         ("flux", facts.piece_flux, facts.volume_noise),
     ):
-        ledger.rows(
-            f"pieces.{column}", np.abs(t[column] - values) <= noise + 1e-7 * np.abs(values), f"{column} of its cells"
-        )
-    _check_essential(facts, ledger, t)
+        room = noise + 1e-7 * np.abs(values)
+        ledger.rows(f"pieces.{column}", np.abs(t[column] - values) <= room, f"{column} of its cells")
 
 
 def _bounded_by(lists, n_contours):
@@ -202,6 +200,7 @@ def _ends_agree(name, found, below, above, n):
 
 
 def _kind(n_below, n_above, genus):
+    """The kind of a piece by its contours below and above and its genus."""
     if n_below + n_above == 0:
         return "unseen"
     return ELEMENTARY.get((n_below, n_above), "compound") if genus == 0 else "compound"

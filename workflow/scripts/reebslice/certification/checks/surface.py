@@ -37,6 +37,7 @@ def _check_links(facts, ledger):
 
 
 def _check_shells(facts, ledger):
+    """Shells are the components of the surface, with their counts, measures and nesting."""
     t, n = facts.columns, len(facts.rank)
     count = len(t.shells["shell"])
     n_parts, _ = find_components(facts.sides.lower, facts.sides.upper, n)

@@ -71,7 +71,19 @@ def find_cells(surface, sides, slabs, run, of_vertex, count):
 
 @njit(cache=True)
 def find_centres(points, corners, shell):
-    """The middle of the lowest corners of each shell's faces, (n, 2)."""
+    """Find the middle of the lowest corners of each shell's faces.
+
+    Parameters
+    ----------
+    points : (n, 3) float64
+    corners : (m, 3) int32
+    shell : (m,) int32
+        The shell of each face.
+
+    Returns
+    -------
+    (s, 2) float64
+    """
     n = shell.max() + 1
     centre, weight = np.zeros((n, 2)), np.zeros(n)
     for f in range(len(corners)):
@@ -83,6 +95,7 @@ def find_centres(points, corners, shell):
 
 @njit(cache=True)
 def _find_cells(surface, sides, slabs, run, vertices, of_vertex, count):
+    """Columns of :class:`Cells`."""
     start, part = _join_cells(surface, sides, slabs.place, run)
     n_parts = number_sets(part)
     slab, shells, twice = np.empty(n_parts, np.int64), np.empty(n_parts, np.int64), np.zeros(n_parts, np.int64)

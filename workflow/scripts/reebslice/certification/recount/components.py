@@ -6,7 +6,18 @@ from numba import njit
 
 @njit(cache=True)
 def find_root(parent, i):
-    """The root of `i` in trees of parents (n,) of whole numbers; ways up are halved as they are walked."""
+    """Find the root of `i`; ways up are halved as they are walked.
+
+    Parameters
+    ----------
+    parent : (n,) int
+        Trees by the parent of each member, a root its own; changed in place.
+    i : int
+
+    Returns
+    -------
+    int
+    """
     while parent[i] != i:
         parent[i] = parent[parent[i]]
         i = parent[i]
@@ -24,7 +35,15 @@ def first_parents(n):
 
 @njit(cache=True)
 def join(parent, a, b):
-    """Join the sets of `a` and `b`; the smaller root is that of both, so no root is above its members."""
+    """Join two sets; the smaller root becomes that of both, so no root is above its members.
+
+    Parameters
+    ----------
+    parent : (n,) int
+        Changed in place.
+    a, b : int
+        Members of the sets.
+    """
     if parent[a] != parent[b]:  # most often they have been joined before
         a, b = find_root(parent, a), find_root(parent, b)
         parent[max(a, b)] = min(a, b)
@@ -45,6 +64,7 @@ def number_sets(parent):
 
 @njit(cache=True)
 def _components(one, two, n):
+    """As :func:`find_components`, of int32."""
     parent = first_parents(n)
     for k in range(len(one)):
         join(parent, one[k], two[k])
@@ -52,10 +72,24 @@ def _components(one, two, n):
 
 
 def find_components(one, two, n):
-    """Components of a graph on 0..n-1 with links one[k] - two[k]: (their number, (n,) int32 of each node).
+    """Find the components of a graph on 0..n-1.
 
-    Components are numbered by their first nodes. Raises ValueError for a link
-    to a node that is none.
+    Parameters
+    ----------
+    one, two : (k,) int
+        The ends of its links.
+    n : int
+
+    Returns
+    -------
+    count : int
+    component : (n,) int32
+        Of each node; components are numbered by their first nodes.
+
+    Raises
+    ------
+    ValueError
+        For a link to a node that is none.
     """
     for ends in (one, two):
         if len(ends) and not (0 <= np.min(ends) and np.max(ends) < n):

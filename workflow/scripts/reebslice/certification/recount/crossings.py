@@ -100,7 +100,20 @@ def enter_ends(sides, place, run, crossings, name, enters, leaves):
 
 
 def cross(surface, low, high, height, tie_x, tie_y):
-    """Where mesh edges from `low` up to `high` meet tilted planes, (k, 2)."""
+    """Find where mesh edges meet planes that are tilted infinitesimally.
+
+    Parameters
+    ----------
+    surface : Ranked
+    low, high : (k,) int
+        The ends of the mesh edges, upward.
+    height, tie_x, tie_y : float or (k,) float64
+        Of the planes.
+
+    Returns
+    -------
+    (k, 2) float64
+    """
     planes = np.empty((len(low), 3))
     planes[:, 0], planes[:, 1], planes[:, 2] = height, tie_x, tie_y
     return _cross_all(surface.points, np.ascontiguousarray(low), np.ascontiguousarray(high), planes)
@@ -108,6 +121,7 @@ def cross(surface, low, high, height, tie_x, tie_y):
 
 @njit(cache=True)
 def _cross_all(points, low, high, planes):
+    """As :func:`cross`, of planes (k, 3)."""
     spots = np.empty((len(low), 2))
     for k in range(len(low)):
         spots[k, 0], spots[k, 1] = _meet(_line(points, low[k], high[k]), planes, k)
@@ -135,6 +149,7 @@ def _meet(line, planes, k):
 
 @njit(cache=True)
 def _find_crossings(surface, sides, cut, run):
+    """Columns of :class:`Crossings`."""
     start, part = _join_crossings(surface, sides, cut.place, run)
     count = number_sets(part)
     level, shells = np.empty(count, np.int64), np.empty(count, np.int64)

@@ -18,7 +18,19 @@ class Curves(NamedTuple):
     first: np.ndarray
 
     def pick(self, rows):
-        """The points of some of the curves, and of each point the place of its curve in `rows`."""
+        """Pick the points of some curves.
+
+        Parameters
+        ----------
+        rows : (k,) int
+            The curves.
+
+        Returns
+        -------
+        points : (N, 2) float64
+        index : (N,) int
+            Of each point the place of its curve in `rows`.
+        """
         sizes = self.first[rows + 1] - self.first[rows]
         if len(rows) and (np.diff(rows) == 1).all():
             return self.points[self.first[rows[0]] : self.first[rows[-1] + 1]], np.repeat(np.arange(len(rows)), sizes)
@@ -26,17 +38,36 @@ class Curves(NamedTuple):
         return self.points[np.arange(len(index)) + (self.first[rows] - np.cumsum(sizes) + sizes)[index]], index
 
     def lines(self, rows):
-        """Some of the curves as shapely has them."""
+        """Make line strings of some of the curves.
+
+        Parameters
+        ----------
+        rows : sequence of int
+
+        Returns
+        -------
+        (k,) shapely.LineString
+        """
         points, index = self.pick(np.asarray(rows, np.int64))
         return shapely.linestrings(points, indices=index)
 
 
 def read_curves(blocks, room=0):
-    """The :class:`Curves` of pyarrow arrays of well-known binary, one after the other, and which are drawn (C,) bool.
+    """Read curves from well-known binary.
 
-    That is, which are line strings in the plane, little-endian, of at least
-    two points, finite and closed. The others have no points.
-    room : how many points there may be, so that their array need not grow
+    Parameters
+    ----------
+    blocks : iterable of pyarrow.Array
+        One after the other.
+    room : int
+        How many points there may be, so that their array need not grow.
+
+    Returns
+    -------
+    curves : Curves
+    drawn : (C,) bool
+        Which are line strings in the plane, little-endian, of at least two
+        points, finite and closed. The others have no points.
     """
     points, end, counts, drawn = np.empty(2 * room), 0, [np.empty(0, np.int64)], [np.empty(0, bool)]
     for block in blocks:
@@ -75,6 +106,7 @@ def _copy_points(data, offsets, counts, out, drawn):
 
 @njit(cache=True)
 def _are_closed(points, first):
+    """Whether each curve ends where it began and has only finite coordinates, (C,)."""
     closed = np.zeros(len(first) - 1, np.bool_)
     for c in range(len(closed)):
         begin, end = first[c], first[c + 1] - 1
@@ -88,7 +120,22 @@ def _are_closed(points, first):
 
 @njit(cache=True)
 def measure_curves(points, first):
-    """Signed area and perimeter, two (C,), centre of gravity (C, 2) and box (C, 4) of closed curves."""
+    """Measure closed curves.
+
+    Parameters
+    ----------
+    points, first
+        Of :class:`Curves`.
+
+    Returns
+    -------
+    area, perimeter : (C,) float64
+        The area is negative for curves drawn clockwise.
+    centre : (C, 2) float64
+        The centre of gravity of the curve.
+    boxes : (C, 4) float64
+        Lower x and y, upper x and y.
+    """
     n = len(first) - 1
     area, perimeter, centre, boxes = np.zeros(n), np.zeros(n), np.zeros((n, 2)), np.zeros((n, 4))
     for c in range(n):
@@ -112,7 +159,17 @@ def measure_curves(points, first):
 
 @njit(cache=True)
 def distance_between(px, py, qx, qy):
-    """From the origin to the segment from (px, py) to (qx, qy)."""
+    """Measure the distance from the origin to a segment.
+
+    Parameters
+    ----------
+    px, py, qx, qy : float
+        The ends of the segment.
+
+    Returns
+    -------
+    float
+    """
     dx, dy = qx - px, qy - py
     length = dx * dx + dy * dy
     share = min(max(-(px * dx + py * dy) / length, 0.0), 1.0) if length > 0 else 0.0
@@ -121,7 +178,19 @@ def distance_between(px, py, qx, qy):
 
 @njit(cache=True)
 def pass_spots(points, first, spots, room):
-    """Whether each curve comes as near as `room` to its spot (C, 2): (C,) bool."""
+    """Tell whether each curve comes as near as `room` to its spot.
+
+    Parameters
+    ----------
+    points, first
+        Of :class:`Curves`.
+    spots : (C, 2) float64
+    room : float
+
+    Returns
+    -------
+    (C,) bool
+    """
     passes = np.zeros(len(spots), np.bool_)
     for c in range(len(spots)):
         x, y = spots[c, 0], spots[c, 1]

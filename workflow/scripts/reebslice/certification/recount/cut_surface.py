@@ -56,9 +56,17 @@ class Recount(NamedTuple):
 
 
 def count_below(surface, height, tie_x, tie_y):
-    """Vertices below each level by its definition: two (K,) bounds, low and high.
+    """Count the vertices below each level by its definition.
 
-    The bounds differ only for a cut inside vertices of one position.
+    Parameters
+    ----------
+    surface : Ranked
+    height, tie_x, tie_y : (K,) float64
+
+    Returns
+    -------
+    low, high : (K,) int
+        Bounds, which differ only for a cut inside vertices of one position.
     """
     x, y, z = surface.points.T
     weight = surface.weight
@@ -154,6 +162,7 @@ def _runs(surface, sides, place, n, more):
 
 @njit(cache=True)
 def _count_open(place, lower, upper, n, more):
+    """How many of what reaches from `lower` to `upper` meet each level or slab."""
     rises = np.zeros(n + 2, np.int64)
     for i in range(len(lower)):
         rises[place[lower[i]]] += 1

@@ -13,12 +13,20 @@ from .surface import copies
 
 
 def essential_points(surface, sides, recount=None):
-    """How many essential critical points each vertex stands for, and its partner.
+    """Find which critical points the elder rule pairs.
 
-    Inside each piece if a `recount` is given, otherwise on the whole surface.
-    Returns `count` (n,) int: the simple critical points at the vertex that
-    the elder rule leaves unpaired; `pairs` (k, 2): extremum and saddle of
-    every pair.
+    Parameters
+    ----------
+    surface, sides : Ranked, MeshEdges
+    recount : Recount, optional
+        If given, points are paired inside each piece, otherwise on the whole surface.
+
+    Returns
+    -------
+    count : (n,) int
+        The simple critical points at each vertex that are left unpaired.
+    pairs : (k, 2) int
+        Extremum and saddle of every pair.
     """
     n = len(surface.points)
     if recount is None:
@@ -35,10 +43,20 @@ def essential_points(surface, sides, recount=None):
 
 
 def elder_pairs(earlier, later, n, n_contours):
-    """Elder pairs (extremum, saddle) of a sweep in ascending order of vertex.
+    """Pair extrema and saddles in a sweep in ascending order of vertex.
 
-    earlier : vertex, or n + contour for what comes in through a level; later :
-    vertex. Contours are older than every vertex and are never paired.
+    Parameters
+    ----------
+    earlier, later : (k,) int
+        The ends of links; the earlier one is a vertex, or n + contour for what
+        comes in through a level.
+    n, n_contours : int
+        Contours are older than every vertex and are never paired.
+
+    Returns
+    -------
+    (p, 2) int64
+        Extremum and saddle of each pair.
     """
     earlier, later = np.asarray(earlier, np.int32), np.asarray(later, np.int32)
     gate, order = np.where(earlier >= n, earlier - n, -1), np.argsort(later, kind="stable").astype(np.int32)

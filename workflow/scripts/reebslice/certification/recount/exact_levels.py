@@ -24,7 +24,16 @@ class ExactLevels:
         self.known, self.tilt = {}, None
 
     def ring(self, contour):
-        """Corners of a contour as fractions, in order."""
+        """Locate the corners of a contour, in order.
+
+        Parameters
+        ----------
+        contour : int
+
+        Returns
+        -------
+        list of (Fraction, Fraction)
+        """
         if contour not in self.known:
             self.tilt = self.tilt or smallest_tilt(self.surface.points)
             cut = int(self.below[self.level[contour]])
@@ -32,12 +41,32 @@ class ExactLevels:
         return self.known[contour]
 
     def area(self, contour):
-        """Signed area of a contour."""
+        """Measure the signed area of a contour.
+
+        Parameters
+        ----------
+        contour : int
+
+        Returns
+        -------
+        Fraction
+        """
         ring = self.ring(contour)
         return sum(p[0] * q[1] - q[0] * p[1] for p, q in zip(ring, ring[1:] + ring[:1])) / 2
 
     def share_around(self, contour, inside):
-        """The share of some points of another contour, `inside`, that `contour` winds around."""
+        """Tell how much of another contour one winds around.
+
+        Parameters
+        ----------
+        contour, inside : int
+            Of one level.
+
+        Returns
+        -------
+        float
+            The share of SPOTS points of `inside`.
+        """
         ring, other = self.ring(contour), self.ring(inside)
         spots = [_middle(other, k * len(other) // SPOTS) for k in range(SPOTS)]
         return sum(_winding(ring, spot) != 0 for spot in spots) / SPOTS
@@ -60,6 +89,7 @@ class ExactLevels:
         return found
 
     def _locate(self, crossed, cut):
+        """Where mesh edges meet the tilted plane just below rank `cut`."""
         spots, tilt = [], self.tilt
         known = {}
 
@@ -78,7 +108,17 @@ class ExactLevels:
 
 
 def smallest_tilt(points):
-    """Steps of height outweigh the tilt along x, and steps of x that along y, twice over."""
+    """Find a tilt small enough that it changes the order of no two points.
+
+    Parameters
+    ----------
+    points : (n, 3) float64
+
+    Returns
+    -------
+    Fraction
+        Steps of height outweigh the tilt along x, and steps of x that along y, twice over.
+    """
     dx, dz = (np.diff(np.unique(points[:, axis])).min() for axis in (0, 2))
     x, y = np.abs(points[:, :2]).max(axis=0)
     return Fraction(1, 2 ** max(3, int(np.ceil(3 + np.log2(max((x + y) / dz, y / dx))))))

@@ -11,10 +11,19 @@ from .elders import elder_pairs
 
 
 def graph_pairs(n_nodes, ends):
-    """Pairs (lower, upper) of a graph on nodes in order of height: three sorted lists.
+    """Pair the nodes of a graph by extended persistence.
 
-    Components of sublevel sets, of superlevel sets, loops. ends : (A, 2), the
-    lower node of each arc first.
+    Parameters
+    ----------
+    n_nodes : int
+        Nodes are numbered in order of height.
+    ends : (A, 2) int
+        The two nodes of each arc, the lower one first.
+
+    Returns
+    -------
+    minima, maxima, loops : list of (lower, upper)
+        Components of sublevel sets, of superlevel sets, and loops; sorted.
     """
     low, high = np.asarray(ends, np.int64).reshape(-1, 2).T
     last = n_nodes - 1
@@ -51,6 +60,7 @@ class _Forest:
         return None
 
     def _way_up(self, node):
+        """The nodes from one up to its root."""
         way = [node]
         while (node := self.parent[node]) >= 0:
             way.append(node)

@@ -27,10 +27,24 @@ class GraphParts(NamedTuple):
 
 
 def find_blocks(piece_above, piece_below, region, n_pieces, n_regions, hosts):
-    """Blocks of the solid: (of each piece, above and below each region, their number).
+    """Find the blocks of the solid: components of the bipartite graph of pieces and the two sides of regions.
 
-    Components of the bipartite graph of pieces and the two sides of regions;
-    hosts : {piece of a closed void inside a slab: a piece of the block around it}.
+    Parameters
+    ----------
+    piece_above, piece_below : (C,) int
+        The piece on either side of each contour.
+    region : (C,) int
+        The region of each contour.
+    n_pieces, n_regions : int
+    hosts : dict
+        {piece of a closed void inside a slab: a piece of the block around it}.
+
+    Returns
+    -------
+    of_piece : (P,) int
+    above, below : (R,) int
+        The block on either side of each region.
+    count : int
     """
     extra = np.array(sorted(hosts.items()), np.int64).reshape(-1, 2)
     ends = np.concatenate([n_pieces + region, n_pieces + n_regions + region, extra[:, 0]])
@@ -47,10 +61,20 @@ def counts(parts):
 
 
 def find_arcs(parts, level):
-    """Arcs {(source, target, items): measure} between the joints of parts.
+    """Find the arcs between the joints of parts, as maximal chains.
 
-    level : (I,) of the items. Returns the arcs and the parts that are neither
-    a joint nor a plain continuation; no arc can pass those.
+    Parameters
+    ----------
+    parts : GraphParts
+    level : (I,) int
+        Of the items.
+
+    Returns
+    -------
+    arcs : dict
+        {(source, target, items): measure}.
+    odd : (k,) int
+        The parts that are neither a joint nor a plain continuation; no arc can pass those.
     """
     n_below, n_above = counts(parts)
     has = np.array([bool(joints) for joints in parts.joints], bool)
@@ -80,7 +104,19 @@ def find_arcs(parts, level):
 
 
 def find_augmented_edges(parts, operations):
-    """Edges of the augmented graph: a sorted list of (node, node, operation)."""
+    """List the edges of the augmented graph.
+
+    Parameters
+    ----------
+    parts : GraphParts
+    operations : sequence of str
+        Of the handles.
+
+    Returns
+    -------
+    list of (str, str, str)
+        Two nodes and the operation; sorted.
+    """
     n = len(parts.joints)
     below, above = [[] for _ in range(n)], [[] for _ in range(n)]
     for item, (low, high) in enumerate(zip(parts.above.tolist(), parts.below.tolist())):
@@ -98,7 +134,20 @@ def find_augmented_edges(parts, operations):
 
 
 def count_loops(n_nodes, pairs):
-    """First Betti number and components of a multigraph on 0..n_nodes-1 with edges `pairs`."""
+    """Count the independent loops of a multigraph.
+
+    Parameters
+    ----------
+    n_nodes : int
+    pairs : list of (int, int)
+        Its edges.
+
+    Returns
+    -------
+    loops : int
+        First Betti number.
+    component : (n_nodes,) int
+    """
     n, part = count_components(n_nodes, pairs)
     return len(pairs) - n_nodes + n, part
 
@@ -123,5 +172,17 @@ def find_parts(graph):
 
 
 def count_components(n_nodes, pairs):
-    """Components of a graph on 0..n_nodes-1 with edges `pairs`: their number and (n_nodes,) that of each node."""
+    """Find the components of a graph.
+
+    Parameters
+    ----------
+    n_nodes : int
+    pairs : list of (int, int)
+        Its edges.
+
+    Returns
+    -------
+    count : int
+    component : (n_nodes,) int
+    """
     return find_components(*np.asarray(pairs, np.int64).reshape(-1, 2).T, n_nodes)

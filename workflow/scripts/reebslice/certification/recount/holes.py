@@ -30,11 +30,22 @@ class ContourNesting:
         self.shares = {}
 
     def innermost(self, contour, members):
-        """The smallest of `members`, ascending, around `contour` or -1; whether some member crosses or touches it.
+        """Find the smallest contour around another.
 
-        Two bools: one that crosses has parts of `contour` on both sides of it;
-        one that touches runs along with it, so that exact numbers differ from
-        point to point. It is around it only if no other member is.
+        Parameters
+        ----------
+        contour : int
+        members : list of int
+            What may be around it, the smallest first.
+
+        Returns
+        -------
+        best : int
+            -1 for none. A member that touches counts only if no other is around.
+        crosses : bool
+            Whether `contour` has parts on both sides of some member.
+        touches : bool
+            Whether it runs along with one, so that exact numbers differ from point to point.
         """
         best, crosses, touching = -1, False, []
         for other in members:
@@ -48,20 +59,49 @@ class ContourNesting:
                 best = other
         return best if best >= 0 or not touching else touching[0], crosses, bool(touching)
 
-    def coincides(self, contour, members, shell):
-        """Whether `contour` runs along one of the members, of another shell, that was looked at."""
-        looked = (self.shares.get((contour, other), (0, True)) for other in members if shell[other] != shell[contour])
-        return any(not clear for _, clear in looked)
+    def meet(self, contour, others):
+        """Tell whether a contour comes as near to one of some others as rounding.
+
+        Parameters
+        ----------
+        contour : int
+        others : list of int
+
+        Returns
+        -------
+        bool
+        """
+        curve, *around = self.curves.lines([contour, *others])
+        return bool(shapely.dwithin(curve, around, 2 * self.noise).any())
 
     def crosses_itself(self, body):
-        """Whether two contours of one body were seen to cross; body : (C,) int."""
+        """Tell whether two contours of one body were seen to cross.
+
+        Parameters
+        ----------
+        body : (C,) int
+
+        Returns
+        -------
+        bool
+        """
         return any(
             clear and 0 < share < 1 and body[contour] == body[other]
             for (contour, other), (share, clear) in self.shares.items()
         )
 
     def most(self, hole, members):
-        """The member that holds most of a hole that crosses them, of equal ones the smallest."""
+        """Choose the member that holds most of a hole that crosses them, of equal ones the smallest.
+
+        Parameters
+        ----------
+        hole : int
+        members : list of int
+
+        Returns
+        -------
+        int
+        """
         members = sorted(members, key=self.size.__getitem__)
         hole, *others = self.curves.lines([hole, *members])
         shares = [_area_share(hole, _polygon(other)) for other in others]
@@ -114,14 +154,12 @@ def find_hosts(nest, inner, body):
     return host, is_open
 
 
-def find_parents(nest, shell):
+def find_parents(nest):
     """Find the smallest contour around each one.
 
     Parameters
     ----------
     nest : ContourNesting
-    shell : (C,) int
-        Where contours of two shells coincide, the shells touch, and either may be around the other.
 
     Returns
     -------
@@ -132,8 +170,8 @@ def find_parents(nest, shell):
     """
     parent, unsure = np.full(len(nest.size), -1), np.zeros(len(nest.size), bool)
     for contour, near in nest.near.items():
-        parent[contour], crosses, touches = nest.innermost(contour, near)
-        unsure[contour] = crosses or touches or nest.coincides(contour, near, shell)
+        parent[contour], *seen = nest.innermost(contour, near)
+        unsure[contour] = any(seen)
     return parent, unsure
 
 

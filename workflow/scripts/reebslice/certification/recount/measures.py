@@ -6,7 +6,18 @@ from numba import njit
 
 @njit(cache=True)
 def least_rise(points, lower, upper):
-    """The smallest difference of height over mesh edges from `lower` to `upper`."""
+    """Find the smallest difference of height over mesh edges.
+
+    Parameters
+    ----------
+    points : (n, 3) float64
+    lower, upper : (E,) int
+        Their ends.
+
+    Returns
+    -------
+    float
+    """
     least = np.inf
     for k in range(len(lower)):
         least = min(least, points[upper[k], 2] - points[lower[k], 2])
@@ -15,7 +26,21 @@ def least_rise(points, lower, upper):
 
 @njit(cache=True)
 def label_vertices(corners, shell, n):
-    """The shell of each of n vertices by that of some face of it, (n,) int32, and whether all its faces agree."""
+    """Find the shell of each of n vertices by that of some face of it.
+
+    Parameters
+    ----------
+    corners : (m, 3) int
+    shell : (m,) int
+        The shell of each face.
+    n : int
+
+    Returns
+    -------
+    label : (n,) int32
+    agree : bool
+        Whether all faces of every vertex are of one shell.
+    """
     label, agree = np.zeros(n, np.int32), True
     for f in range(len(corners)):
         for k in range(3):
@@ -28,7 +53,17 @@ def label_vertices(corners, shell, n):
 
 @njit(cache=True)
 def largest_terms(x, y, z, direction):
-    """The largest sum of the absolute terms of the product of a point with a direction."""
+    """Find the largest sum of the absolute terms of the product of a point with a direction.
+
+    Parameters
+    ----------
+    x, y, z : (n,) float64
+    direction : (3,) float64
+
+    Returns
+    -------
+    float
+    """
     a, b, c = direction
     largest = 0.0
     for i in range(len(x)):
@@ -37,15 +72,26 @@ def largest_terms(x, y, z, direction):
 
 
 def measure_shells(points, faces, shell, n):
-    """Area and, by divergence around the middle of its vertices, volume of each of n shells: two (n,) float64.
+    """Measure each of n shells.
 
+    Parameters
+    ----------
     points, faces : columns x, y, z and a, b, c
+    shell : (m,) int
+        The shell of each face.
+    n : int
+
+    Returns
+    -------
+    area, volume : (n,) float64
+        The volume by divergence around the middle of the shell's corners.
     """
     return _measure_shells(*points, *faces, shell, n)
 
 
 @njit(cache=True)
 def _measure_shells(x, y, z, a, b, c, shell, n):
+    """As :func:`measure_shells`, by columns."""
     middle, weight = np.zeros((n, 3)), np.zeros(n)
     for f in range(len(shell)):
         weight[shell[f]] += 1

@@ -35,7 +35,24 @@ class Regions(NamedTuple):
 
 
 def find_regions(curves, drawn, length, mesh_area, region, inner, n_regions):
-    """The :class:`Regions`; of each curve the signed area and length as it is drawn and the area by the mesh."""
+    """Put the regions of the solid together from their curves.
+
+    Parameters
+    ----------
+    curves : Curves
+    drawn, length : (C,) float64
+        Signed area and length of each curve as it is drawn.
+    mesh_area : (C,) float64
+        Signed area by the mesh.
+    region : (C,) int
+        Of each curve.
+    inner : (C,) bool
+    n_regions : int
+
+    Returns
+    -------
+    Regions
+    """
     usable = (np.diff(curves.first) >= 4) & (mesh_area != 0)
     whole = np.bincount(region[usable & ~inner], minlength=n_regions) > 0
     order = np.lexsort((inner, region))
@@ -50,6 +67,7 @@ def find_regions(curves, drawn, length, mesh_area, region, inner, n_regions):
 
 
 def _mend(regions, run):
+    """Give those of a run of regions that cross or touch themselves a valid polygon."""
     polygons = build_polygons(regions, run)
     wrong = ~shapely.is_valid(polygons)
     mended = shapely.buffer(shapely.make_valid(polygons[wrong]), 0)
@@ -59,7 +77,19 @@ def _mend(regions, run):
 
 
 def build_polygons(regions, rows):
-    """Some of the regions as shapely has them, (k,); mended ones as they are now, empty ones without an outer curve."""
+    """Make polygons of some of the regions.
+
+    Parameters
+    ----------
+    regions : Regions
+    rows : (k,) int
+        Which.
+
+    Returns
+    -------
+    (k,) shapely.Polygon
+        Mended ones as they are now, empty ones without an outer curve.
+    """
     counts = regions.begin[rows + 1] - regions.begin[rows]
     index = np.repeat(np.arange(len(rows)), counts)
     place = np.arange(len(index)) + (regions.begin[rows] - np.cumsum(counts) + counts)[index]
@@ -75,12 +105,22 @@ def build_polygons(regions, rows):
 
 
 def share(regions, one, other):
-    """Areas that pairs of regions share, (E,): by chains, or by their polygons where one has been mended."""
+    """Measure the areas that pairs of regions share, by chains, or by polygons where one has been mended.
+
+    Parameters
+    ----------
+    regions : Regions
+    one, other : (E,) int
+
+    Returns
+    -------
+    (E,) float64
+    """
     bounds = regions.turn != 0
     region = np.repeat(np.arange(len(regions.area)), np.diff(regions.begin))[bounds]
     rings = regions.contour[bounds], region, regions.turn[bounds]
     points = regions.curves.points
-    shared = share_areas(points, *find_chains(points, regions.curves.first, *rings, len(regions.area)), one, other)
+    shared = share_areas(points, find_chains(points, regions.curves.first, *rings, len(regions.area)), one, other)
     mended = np.flatnonzero(regions.broken[one] | regions.broken[other])
     polygons = (build_polygons(regions, ends[mended]) for ends in (one, other))
     shared[mended] = shapely.area(shapely.intersection(*polygons))
@@ -88,7 +128,19 @@ def share(regions, one, other):
 
 
 def look_around(regions, spots):
-    """Around a spot (R, 2) in each region: whether it is inside, distance to its contours and to its outline, (R,)."""
+    """Look around a spot in each region.
+
+    Parameters
+    ----------
+    regions : Regions
+    spots : (R, 2) float64
+
+    Returns
+    -------
+    inside : (R,) bool
+    near, edge : (R,) float64
+        Distance to the region's contours, and to its outline, which is without those that bound nothing.
+    """
     bounds, curves = regions.turn != 0, regions.curves
     inside, near, edge = _look_around(
         curves.points, curves.first, regions.contour, regions.begin, bounds, np.ascontiguousarray(spots)
@@ -102,6 +154,7 @@ def look_around(regions, spots):
 
 @njit(cache=True)
 def _look_around(points, first, contour, begin, bounds, spots):
+    """As :func:`look_around`, by contours as they are drawn."""
     n = len(spots)
     inside, nearest, edge = np.zeros(n, np.bool_), np.full(n, np.inf), np.full(n, np.inf)
     for r in range(n):

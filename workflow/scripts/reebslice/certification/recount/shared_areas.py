@@ -31,10 +31,23 @@ class Chains(NamedTuple):
 
 
 def find_chains(points, first, ring, region, turn, n_regions):
-    """The :class:`Chains` of some rings of curves (points, first) that bound regions.
+    """Cut the outlines of regions into chains.
 
-    ring : (Q,) which curves; region : (Q,) of each; turn : (Q,) +1 where the
-    region is left of the curve as it is drawn, -1 where it is right of it
+    Parameters
+    ----------
+    points, first
+        Of :class:`Curves`.
+    ring : (Q,) int
+        The curves that bound a region.
+    region : (Q,) int
+        Of each.
+    turn : (Q,) int
+        +1 where the region is left of the curve as it is drawn, -1 where it is right of it.
+    n_regions : int
+
+    Returns
+    -------
+    Chains
     """
     lowest, highest, owner = _find_chains(points, first, ring)
     up = np.where(lowest < highest, 1, -1)
@@ -46,6 +59,7 @@ def find_chains(points, first, ring, region, turn, n_regions):
 
 @njit(cache=True)
 def _find_chains(points, first, ring):
+    """Lowest and highest point of each chain, and the ring that it is of."""
     lowest, highest, owner = [0 for _ in range(0)], [0 for _ in range(0)], [0 for _ in range(0)]
     for q in range(len(ring)):
         begin, end, way = first[ring[q]], first[ring[q] + 1] - 1, 0.0
@@ -63,8 +77,22 @@ def _find_chains(points, first, ring):
 
 
 @njit(cache=True)
-def share_areas(points, lowest, highest, sign, begin, one, other):
-    """Areas that the regions `one` (E,) share with `other` (E,), in numbers of :class:`Chains`: (E,) float64."""
+def share_areas(points, chains, one, other):
+    """Measure the areas that pairs of regions share.
+
+    Parameters
+    ----------
+    points : (N, 2) float64
+        Of the curves.
+    chains : Chains
+    one, other : (E,) int
+        The regions.
+
+    Returns
+    -------
+    (E,) float64
+    """
+    lowest, highest, sign, begin = chains
     shared = np.zeros(len(one))
     for e in range(len(one)):
         now, ends = np.array([begin[one[e]], begin[other[e]]]), (begin[one[e] + 1], begin[other[e] + 1])

@@ -94,6 +94,7 @@ def _choose_starts(points, faces, owner, shell, shells):
 
 
 def _spread(rows):
+    """Places of some rows, evenly spread."""
     return np.linspace(0, len(rows) - 1, SPREAD).astype(int)
 
 
@@ -105,9 +106,21 @@ def _list_by(group, wanted):
 
 
 def find_parent(around, unsure, size):
-    """The smallest shell around each one, (s,) int or -1, and where that is open (s,) bool.
+    """Find the smallest shell around each one.
 
-    size : (s,) absolute volumes.
+    Parameters
+    ----------
+    around, unsure : list of set
+        Of :func:`find_around`.
+    size : (s,) float64
+        Absolute volumes.
+
+    Returns
+    -------
+    parent : (s,) int
+        -1 for none.
+    is_open : (s,) bool
+        Where a shell that is unsure may be it.
     """
     parent = [min(others, key=lambda other: (size[other], other), default=-1) for others in around]
     smaller = [
@@ -118,10 +131,25 @@ def find_parent(around, unsure, size):
 
 
 def find_body(around, void, size, one):
-    """The smallest body around the void `one` that no void around it closes, or -1.
+    """Find the smallest body around a void that no void around it closes.
 
     From the outside inward, a body opens material and a void closes that of
     the body opened last.
+
+    Parameters
+    ----------
+    around : list of set
+        Of :func:`find_around`.
+    void : (s,) bool
+    size : (s,) float64
+        Absolute volumes.
+    one : int
+        The void.
+
+    Returns
+    -------
+    int
+        -1 for none.
     """
     opened = []
     for other in sorted(around[one], key=lambda other: (-size[other], other)):

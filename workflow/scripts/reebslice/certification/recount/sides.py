@@ -15,12 +15,21 @@ WORDS = np.array(["", "A", "B"], object)
 
 
 def local_sides(surface, vertices):
-    """Side of critical vertices (k,) from the geometry around them: (k,) of "A", "B" or "".
+    """Find the side of critical vertices from the geometry around them.
 
     Extrema: the sign of the area of the link, that is, whether the outside is
     up. Saddles: of the sector of the horizontal plane that an upper wedge of
-    the link cuts off, whether it is void (A) or material (B). Empty where the
-    saddle is multiple or the directions are too close to tell.
+    the link cuts off, whether it is void (A) or material (B).
+
+    Parameters
+    ----------
+    surface : Ranked
+    vertices : (k,) int
+
+    Returns
+    -------
+    (k,) object
+        "A", "B", or "" where the saddle is multiple or the directions are too close to tell.
     """
     links = _find_links(surface.corners, surface.even, vertices, len(surface.points))
     return WORDS[_find_sides(surface.points, surface.changes, vertices, *links)]
@@ -88,6 +97,7 @@ def _find_sides(points, changes, vertices, members, first):
 
 @njit(cache=True)
 def _side_of_extremum(x, y, rise):
+    """The side by the sign of the area of the link, seen from above at one height."""
     reach = max(np.abs(x).max(), np.abs(y).max())
     if reach == 0:
         return OPEN

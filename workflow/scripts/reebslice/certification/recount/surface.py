@@ -49,9 +49,20 @@ class MeshEdges(NamedTuple):
 
 
 def rank_surface(points, rotation, faces, shell):
-    """The :class:`Ranked` surface in the frame tilted by `rotation` (3, 3), and the rank of each vertex, (n,) int32.
+    """Put a surface in order of height.
 
-    points, faces : columns x, y, z (n,) and a, b, c (m,); shell : (m,)
+    Parameters
+    ----------
+    points, faces : columns x, y, z (n,) and a, b, c (m,)
+    rotation : (3, 3) float64
+        To the tilted frame.
+    shell : (m,) int
+
+    Returns
+    -------
+    surface : Ranked
+    rank : (n,) int32
+        Of each vertex.
     """
     points = tuple(np.ascontiguousarray(column, float) for column in points)
     frame = np.ascontiguousarray(rotation, float)
@@ -81,6 +92,7 @@ def _turn(x, y, z, a, b, c):
 
 @njit(cache=True)
 def _have_ties(height, order):
+    """Whether two vertices have one height."""
     for i in range(len(order) - 1):
         if height[order[i]] == height[order[i + 1]]:
             return True
@@ -99,9 +111,21 @@ def _rotate(x, y, z, frame, order):
 
 
 def sort_corners(points, origin, rank, faces, shell):
-    """The :class:`Ranked` surface of `points` in order of rank and of oriented faces.
+    """Put the faces of a surface in order.
 
-    rank : (n,) of each vertex; faces : columns a, b, c (m,) of vertices; shell : (m,)
+    Parameters
+    ----------
+    points, origin : (n, 3) float64, (n,) int
+        In order of rank.
+    rank : (n,) int
+        Of each vertex.
+    faces : columns a, b, c (m,) of vertices
+        Counter-clockwise seen from outside.
+    shell : (m,) int
+
+    Returns
+    -------
+    Ranked
     """
     rank, a, b, c, shell = (np.ascontiguousarray(values, np.int32) for values in (rank, *faces, shell))
     return Ranked(points, origin, *_sort_corners(rank, a, b, c, shell))
@@ -218,7 +242,19 @@ def _sort_halves(corners, n):
 
 @njit(cache=True)
 def count_links(corners, of_face, faces, n):
-    """How many link cycles each of n vertices has, (n,) int32: rounds from face to face across its mesh edges."""
+    """Count the link cycles of each of n vertices: rounds from face to face across its mesh edges.
+
+    Parameters
+    ----------
+    corners : (m, 3) int32
+    of_face, faces
+        Of :class:`MeshEdges`.
+    n : int
+
+    Returns
+    -------
+    (n,) int32
+    """
     seen, links = np.zeros(corners.shape, np.bool_), np.zeros(n, np.int32)
     for start in range(len(corners)):
         for corner in range(3):

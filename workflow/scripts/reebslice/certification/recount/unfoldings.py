@@ -52,7 +52,19 @@ def find_folded(surface, below):
 
 
 def list_copies(surface, folded):
-    """List all copies but the highest one of each folded vertex: the vertex and the rank of each, copies counted."""
+    """List all copies but the highest one of each folded vertex.
+
+    Parameters
+    ----------
+    surface : Ranked
+    folded : dict
+        Of :func:`find_folded`.
+
+    Returns
+    -------
+    vertex, rank : (k,) int
+        The vertex of each copy, and its rank, copies counted.
+    """
     counts = copies(surface)[list(folded)] - 1
     vertex = np.repeat(np.array(list(folded), np.int64), counts)
     number = np.arange(len(vertex)) - np.repeat(np.cumsum(counts) - counts, counts)
@@ -127,15 +139,18 @@ def _below_of_split(surface, below, old, folded):
 
 
 def _star(surface, vertex):
+    """The faces around a vertex."""
     return np.flatnonzero((surface.corners == vertex).any(axis=1)).tolist()
 
 
 def _rotated(face, vertex):
+    """The two corners after a vertex in a face."""
     k = face.index(vertex)
     return face[(k + 1) % 3], face[(k + 2) % 3]
 
 
 def _cycle(pairs):
+    """The cycle that pairs (one, next one) make."""
     after = dict(pairs)
     cycle = [pairs[0][0]]
     while after[cycle[-1]] != cycle[0]:
