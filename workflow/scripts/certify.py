@@ -35,17 +35,13 @@ def main(source, target, options):
 def mesh_lengths(vertices, tilt, options):
     """Feature size and distance between levels of a model, in mesh units.
 
-    Of `feature_size` and `distance` either may be null: the distance is half
-    the feature size. Relative ones are parts of the height range.
+    options : those of `levels`, complete. Relative lengths are parts of the height range.
     """
-    distance, size = options.get("distance"), options.get("feature_size")
-    distance = size / 2 if distance is None else distance
-    size = 2 * distance if size is None else size
     scale = 1.0
     if options.get("units", "relative") == "relative":
         points = np.stack([np.from_dlpack(vertices[axis].combine_chunks()) for axis in "xyz"], axis=1)
         scale = float(np.ptp(points @ np.asarray(tilt["direction"], float)))
-    return size * scale, distance * scale
+    return options["feature_size"] * scale, options["distance"] * scale
 
 
 if "snakemake" in globals():
