@@ -144,9 +144,9 @@ def test_features_that_cancel_inside_a_slab_are_told():
 def test_lengths_are_relative_to_the_height_range():
     tables, tilt, _ = results("flat")
     height = np.ptp(np.stack([tables["vertices"][axis].to_numpy() for axis in "xyz"]), axis=1)[2]
-    relative = {"distance": 0.1, "units": "relative", "feature_size": None}
+    relative = {"distance": 0.1, "units": "relative", "feature_size": 0.2}
     assert mesh_lengths(tables["vertices"], tilt, relative) == pytest.approx((0.2 * height, 0.1 * height))
-    absolute = {"distance": None, "units": "absolute", "feature_size": 3.0}
+    absolute = {"distance": 1.5, "units": "absolute", "feature_size": 3.0}
     assert mesh_lengths(tables["vertices"], tilt, absolute) == (3.0, 1.5)
 
 

@@ -1,5 +1,8 @@
 """Contours, pieces and regions against mathematics."""
 
+import re
+import tracemalloc
+
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -8,10 +11,11 @@ from hypothesis import strategies as st
 import solids
 from corpus.stages import Rejected
 from pipeline import run_stages
+from reebslice.errors import ReebsliceError, TooManyCrossingsError
 from reebslice.morse.critical_points import vertex_indices
 from reebslice.morse.height_mesh import height_mesh
 from reebslice.slicing.contours import measure_contours, trace_contours
-from reebslice.slicing.levels import cut_between, make_levels, pierce, uniform_heights
+from reebslice.slicing.levels import cut_between, make_levels, pierce, sampling_rule, uniform_heights
 from reebslice.slicing.refinement import crowded_points, feature_scale, slice_surface
 from reebslice.slicing.slices import cut_surface
 from reebslice.slicing.tables import contours_table
@@ -113,10 +117,40 @@ def test_uniform_heights_divide_evenly():
     assert uniform_heights(0.0, 1.0, 5.0).tolist() == [0.5]
 
 
-def test_feature_scale_follows_the_sampling_rule():
-    assert feature_scale(20.0, 0.01, "relative") == (0.2, 0.4)
-    assert feature_scale(20.0, None, "absolute", 0.5) == (0.25, 0.5)
-    assert feature_scale(20.0, 0.1, "absolute", 0.7) == (0.1, 0.7)
+def test_features_of_a_size_need_half_the_distance():
+    assert sampling_rule(0.01, None) == (0.01, 0.02)
+    assert sampling_rule(None, 0.5) == (0.25, 0.5)
+    assert sampling_rule(0.1, 0.7) == (0.1, 0.7)
+    assert feature_scale(20.0, 0.01, 0.02, "relative") == (0.2, 0.4)
+    assert feature_scale(20.0, 0.1, 0.7, "absolute", refine="exact") == (0.1, 0.7)
+
+
+@pytest.mark.parametrize("share", [1e-7, 1e-9, 1e-300, 5e-324])
+def test_absurd_distances_are_refused_before_memory_is_taken(share):
+    mesh = mesh_of(solids.scale(solids.icosphere(1), 50.0))
+    height, body = np.ptp(mesh.points[:, 2]), np.zeros(len(mesh.points), np.int32)
+    tracemalloc.start()
+    with pytest.raises(
+        TooManyCrossingsError, match=r"levels, more than the 1000000 .*: take at least (\S+) mesh"
+    ) as error:
+        slice_surface(mesh, body, share * height)
+    assert tracemalloc.get_traced_memory()[1] < 1e6
+    tracemalloc.stop()
+    cure = float(re.search(r"at least (\S+) mesh", str(error.value))[1])
+    assert 0.99e6 / 1.1 < len(uniform_heights(mesh.points[0, 2], mesh.points[-1, 2], cure)) <= 1e6
+
+
+@pytest.mark.parametrize("distance", [0.0, -1.0, np.nan])
+def test_distances_that_are_none_are_refused(distance):
+    with pytest.raises(ReebsliceError, match=f"distance between levels is {distance}"):
+        uniform_heights(0.0, 1.0, distance)
+
+
+def test_crossings_are_counted_before_memory_is_taken_for_them(monkeypatch):
+    monkeypatch.setattr("reebslice.slicing.contours.MOST_CROSSINGS", 1000)
+    mesh = mesh_of(solids.icosphere(2))
+    with pytest.raises(TooManyCrossingsError, match=r"100000 levels cross .* 1000 .*: take fewer, by a factor of \d+"):
+        slice_surface(mesh, np.zeros(len(mesh.points), np.int32), np.ptp(mesh.points[:, 2]) / 1e5)
 
 
 @given(solids.terrains(), st.data())

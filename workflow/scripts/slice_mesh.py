@@ -22,8 +22,8 @@ def main(source, target, options):
         slices, refined = slice_surface(mesh, body, distance, options["refine"], feature_size)
     except TooManyCrossingsError as fault:
         raise Rejected(
-            f"{fault}, more than can be held. Take a larger distance between levels, or, if the mesh is noisy, "
-            "levels: {refine: feature}, which does not tell all of the noise apart."
+            f"{fault}. Take a larger distance between levels, or, if the mesh is noisy, levels: {{refine: feature}}, "
+            "which does not tell all of the noise apart."
         ) from None
     write_table(target / "levels.parquet", "levels", levels_table(slices, refined))
     write_blocks(target / "contours.parquet", "contours", contours_blocks(mesh, slices, shell))

@@ -5,6 +5,8 @@ import math
 
 import jsonschema
 
+from reebslice.slicing.levels import sampling_rule
+
 # What JSON schema calls a type, said to a person.
 TYPES = {
     "object": "a group of keys",
@@ -38,7 +40,8 @@ def check_config(config, schema):
         faults = _contradictions(config)
     if faults:
         raise ConfigError("\n".join(["the configuration cannot be used:", *(f"  {fault}" for fault in faults)]))
-    config["levels"] = _resolve_levels(config["levels"])
+    levels = config["levels"]
+    levels["distance"], levels["feature_size"] = sampling_rule(levels["distance"], levels["feature_size"])
     return config
 
 
@@ -93,15 +96,6 @@ def _complete(value, schema):
     if schema.get("type") != "object":
         return value
     return {key: _complete(value.get(key, part.get("default", {})), part) for key, part in schema["properties"].items()}
-
-
-def _resolve_levels(levels):
-    """Apply the sampling rule: the distance between levels is half the feature size."""
-    distance, size = levels["distance"], levels["feature_size"]
-    return levels | {
-        "distance": float(size / 2 if distance is None else distance),
-        "feature_size": float(2 * distance if size is None else size),
-    }
 
 
 def _nonfinite(value, place=""):

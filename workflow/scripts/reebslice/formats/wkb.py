@@ -11,10 +11,24 @@ POINT = 16
 
 
 def pack_curves(points, start):
-    """Curves, closed, as WKB line strings: an Arrow array of C binaries, 2 GB at most.
+    """Pack closed curves as WKB line strings.
 
-    points : (X, 2); start : (C + 1,), each curve has a point. Of neighbours that
-    coincide one is dropped; a curve of which only one point remains is closed onto itself.
+    Parameters
+    ----------
+    points : (X, 2) float64
+        Points of the curves, the first of each not repeated at its end.
+    start : (C + 1,) int
+        Curve c owns ``points[start[c]:start[c + 1]]``, at least one point.
+
+    Returns
+    -------
+    pyarrow.Array
+        C binaries, 2 GB together at most. Of neighbours that coincide one is dropped; a curve of which only
+        one point remains is closed onto itself.
+
+    References
+    ----------
+    OGC 06-103r4, Simple feature access, part 1, section 8 (well-known binary representation).
     """
     points = np.ascontiguousarray(points, "<f8")
     ends, data = _pack(points, points.view(np.uint8), start)
@@ -52,16 +66,26 @@ def _pack(points, raw, start):
 
 @njit(cache=True, inline="always")
 def _append(data, place, raw, i):
+    """Append the bytes of point i; the place behind them."""
     for k in range(np.uint64(POINT)):
         data[place + k] = raw[i, k]
     return place + np.uint64(POINT)
 
 
 def unpack_curves(blocks, most):
-    """The :class:`Curves` that :func:`pack_curves` packed.
+    """Unpack the curves that :func:`pack_curves` packed.
 
-    blocks : iterable of Arrow arrays of binaries, of which one is held at a time; most : their points come to
-    no more than this.
+    Parameters
+    ----------
+    blocks : iterable of pyarrow.Array
+        Binaries, of which one array is held at a time.
+    most : int
+        Their points come to no more than this.
+
+    Returns
+    -------
+    Curves
+        Closed curves, one block after the other.
     """
     points, starts, place = np.empty((most, 2)), [np.zeros(1, np.int64)], 0
     for block in blocks:

@@ -10,15 +10,27 @@ from .sides import link_areas, saddle_contours
 
 
 def classify_handles(mesh, graph, points, pieces, contours):
-    """The table `handles` from the unfolded mesh and the tables of its slices.
+    """Make the table `handles`, one row per essential critical point.
 
-    graph : the mesh's :class:`reeb_graph.ReebGraph`; points : (n, 3) surface
-    vertices, model frame.
+    Where a piece is elementary, its contours below and above name the event
+    (`change`), and with it the side, index and operation; else these are taken
+    from the link of the vertex, and `resolved` is false.
 
-    Every essential critical point of every piece is a handle. Where the piece
-    is elementary, its contours below and above name the event (`change`), and
-    with it the side, index and operation; else these are taken from the link
-    of the vertex, and `resolved` is false.
+    Parameters
+    ----------
+    mesh : HeightMesh
+        Surface whose saddles are simple.
+    graph : ReebGraph
+        The mesh's.
+    points : (n, 3) float64
+        Surface vertices, model frame.
+    pieces, contours : pyarrow.Table
+        The tables of the slices.
+
+    Returns
+    -------
+    pyarrow.Table
+        As `schemas` declares it, in the order of heights.
     """
     rows = _handle_rows(pieces, contours)
     ranks = np.array([row["rank"] for row in rows], np.int32)
@@ -44,7 +56,22 @@ def classify_handles(mesh, graph, points, pieces, contours):
 
 
 def critical_tables(mesh, graph, handles):
-    """The tables `critical_points` and `critical_arcs` of the mesh's :class:`reeb_graph.ReebGraph`."""
+    """Make the tables of the surface's Reeb graph, which no levels change.
+
+    Parameters
+    ----------
+    mesh : HeightMesh
+        Surface whose saddles are simple.
+    graph : ReebGraph
+        The mesh's.
+    handles : pyarrow.Table
+        The table.
+
+    Returns
+    -------
+    critical_points, critical_arcs : pyarrow.Table
+        As `schemas` declares them.
+    """
     height, index = mesh.points[graph.nodes, 2], morse_indices(mesh, graph.nodes)
     lower, upper = np.minimum(index, index[graph.partner]), np.maximum(index, index[graph.partner])
     pairing = np.select([upper == 1, lower == 1], [np.where(lower == 0, "ordinary", "loop"), "relative"], "extended")
@@ -74,6 +101,7 @@ def _positions(ranks, wanted):
 
 
 def _handle_rows(pieces, contours):
+    """What the slices tell of every handle, dicts in the order of ranks."""
     inner = contours["inner"].to_numpy(zero_copy_only=False)
     regions_below, regions_above = block_regions(pieces, contours)
     n_events = np.diff(pieces["critical_ranks"].combine_chunks().offsets.to_numpy())
@@ -101,25 +129,51 @@ def _handle_rows(pieces, contours):
 
 
 def name_change(inner_below, inner_above):
-    """The event that turns these contours into those, such as "o->i,o".
+    """Name the event that turns contours into others.
 
-    inner_below, inner_above : bool arrays, True for holes.
+    Parameters
+    ----------
+    inner_below, inner_above : bool arrays
+        Of the contours below and above the event, True for holes.
+
+    Returns
+    -------
+    str
+        Such as "o->i,o": the contours below and above, i for holes and o for outer ones. Whether there
+        is such an event at all, `schemas.EVENTS` tells.
     """
     holes = [int(np.count_nonzero(end)) for end in (inner_below, inner_above)]
     return _name(holes[0], len(inner_below) - holes[0], holes[1], len(inner_above) - holes[1])
 
 
 def _name(holes_below, outer_below, holes_above, outer_above):
+    """The same, from numbers of contours."""
     ends = (["i"] * holes_below + ["o"] * outer_below, ["i"] * holes_above + ["o"] * outer_above)
     return "->".join(map(",".join, ends))
 
 
 def local_event(mesh, ranks, index):
-    """Side and operation of critical points from the contours right at them: two lists.
+    """Tell side and operation of critical points from the contours right at them, without levels.
 
     Extrema by the area of the link, saddles by the signs of the contours just
-    below and just above. These need no levels. A surface that crosses itself
-    may show signs that no event has; its saddle then counts as side A.
+    below and just above.
+
+    Parameters
+    ----------
+    mesh : HeightMesh
+        Surface whose saddles are simple.
+    ranks : (k,) int
+        Critical points.
+    index : (k,) int
+        Their indices: 0, 1 or 2.
+
+    Returns
+    -------
+    side : list of k str
+        "A" where material appears as height rises, "B" where void does. A surface that crosses itself may show
+        signs that no event has; its saddle then counts as side A.
+    operation : list of k str
+        "creation", "union", "separation" or "annihilation".
     """
     saddle = index == 1
     # A minimum with the outside up opens a void, a maximum with it ends material.

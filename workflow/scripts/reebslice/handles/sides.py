@@ -1,4 +1,4 @@
-"""On which side of the surface an event happens: signed areas of links, contours next to a saddle."""
+"""Signed areas of the contours next to critical points, which tell on which side of the surface an event happens."""
 
 import numpy as np
 from numba import njit
@@ -8,11 +8,20 @@ from ..slicing.exact_contours import exact_tilt, locate_corners, turns_clockwise
 
 
 def link_areas(mesh, vertices):
-    """Signed horizontal area of the link, scaled to one height, (k,) float64.
+    """Measure the signed horizontal areas of links, scaled to one height.
 
-    For an extremum this is the area of the contour at an infinitesimal
-    distance from it, up to a positive factor: positive where material is
-    inside that contour.
+    Parameters
+    ----------
+    mesh : HeightMesh
+        Surface of n vertices.
+    vertices : (k,) int
+        Ranks.
+
+    Returns
+    -------
+    (k,) float64
+        For an extremum, the area of the contour at an infinitesimal distance from it, up to a positive factor:
+        positive where material is inside that contour.
     """
     wanted = np.full(len(mesh.points), -1, np.int32)
     wanted[vertices] = np.arange(len(vertices), dtype=np.int32)
@@ -21,6 +30,7 @@ def link_areas(mesh, vertices):
 
 @njit(cache=True)
 def _link_areas(points, faces, wanted, n_wanted):
+    """Kernel of `link_areas`; wanted : (n,) int32, the place of each vertex among those asked for, or -1."""
     nearest = np.full(n_wanted, np.inf)
     for f in range(faces.shape[0]):
         for k in range(3):
@@ -48,16 +58,26 @@ def _link_areas(points, faces, wanted, n_wanted):
 
 
 def saddle_contours(mesh, saddles):
-    """Signed areas of the contours at each simple saddle, two (k, 2) float64 arrays.
+    """Measure the signed areas of the contours just below and just above simple saddles.
 
-    Just below and just above it; where there is one contour, and not two, the
-    second area is NaN. A saddle has two below and one above (union) or one
-    below and two above (separation). An area that rounding could turn around,
-    as contours inside flats have, is a tiny one of the right sign.
+    A saddle has two contours below and one above (union) or one below and two above (separation).
+
+    Parameters
+    ----------
+    mesh : HeightMesh
+        Surface whose saddles are simple.
+    saddles : (k,) int
+        Ranks.
+
+    Returns
+    -------
+    below, above : (k, 2) float64
+        Negative for holes. Where there is one contour, and not two, the second area is NaN. An area that
+        rounding could turn around, as contours inside flats have, is a tiny one of the right sign.
     """
     wanted = np.full(len(mesh.points), -1, np.int32)
     wanted[saddles] = np.arange(len(saddles), dtype=np.int32)
-    area, length, gate = _saddle_contours(mesh.points, mesh.faces, mesh.twins, wanted, np.asarray(saddles, np.int32))
+    area, length, gate = _saddle_contours(mesh, wanted, np.asarray(saddles, np.int32))
     rounding = 64 * np.finfo(float).eps * np.abs(mesh.points).max()
     doubtful = np.argwhere(np.abs(area) <= rounding * (length + rounding)).tolist()
     tilt = exact_tilt(mesh.points) if doubtful else None
@@ -70,7 +90,12 @@ def saddle_contours(mesh, saddles):
 
 
 @njit(cache=True)
-def _saddle_contours(points, faces, twins, wanted, saddles):
+def _saddle_contours(mesh, wanted, saddles):
+    """Areas and lengths of the contours at saddles, (2, k, 2), and a half-edge of each: below, above.
+
+    wanted : (n,) int32, the place of each vertex among the saddles, or -1
+    """
+    faces = mesh.faces
     # one mesh edge of each of the two lower and of the two upper link wedges
     gate = np.full((2, len(saddles), 2), -1, np.int64)
     for h in range(3 * faces.shape[0]):
@@ -84,20 +109,19 @@ def _saddle_contours(points, faces, twins, wanted, saddles):
         for side in range(2):
             first, second = gate[side, s]
             cut = saddles[s] + side
-            area[side, s, 0], length[side, s, 0], met = _walk_from(points, faces, twins, first, second, saddles[s], cut)
+            area[side, s, 0], length[side, s, 0], met = _walk_from(mesh, first, second, saddles[s], cut)
             if not met:
-                area[side, s, 1], length[side, s, 1], met = _walk_from(
-                    points, faces, twins, second, first, saddles[s], cut
-                )
+                area[side, s, 1], length[side, s, 1], met = _walk_from(mesh, second, first, saddles[s], cut)
     return area, length, gate
 
 
 @njit(cache=True)
-def _walk_from(points, faces, twins, start, other, saddle, cut):
+def _walk_from(mesh, start, other, saddle, cut):
     """Signed area and length of the contour through half-edge `start`; whether it meets `other`.
 
     The level is the saddle's: ranks from `cut` on are above it.
     """
+    points, faces, twins = mesh.points, mesh.faces, mesh.twins
     x0, y0, z0 = points[saddle]
     area, length, met, px, py, h = 0.0, 0.0, False, 0.0, 0.0, start
     while True:

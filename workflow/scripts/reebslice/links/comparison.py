@@ -1,4 +1,4 @@
-"""How far links guessed from shapes are right: counted against the links of the mesh."""
+"""Links guessed from shapes, counted against the links of the mesh."""
 
 import hashlib
 
@@ -22,18 +22,40 @@ GROUP_SHARE = 0.5
 
 
 def link_by_overlap(pairs):
-    """Links between all shapes of consecutive levels that overlap at all: sorted (low, high) pairs."""
+    """Link all shapes of consecutive levels that overlap at all.
+
+    Parameters
+    ----------
+    pairs : Pairs
+        What :func:`.similarity.near_pairs` returns.
+
+    Returns
+    -------
+    list of (low, high)
+        Sorted.
+    """
     linked = pairs.overlap > 0
     return sorted(zip(pairs.low[linked].tolist(), pairs.high[linked].tolist()))
 
 
 def link_by_groups(shapes, pairs):
-    """Links by fixed shares, of pairs and of groups: sorted (low, high) pairs.
+    """Link shapes by fixed shares of pairs and of groups.
 
-    Linked are pairs of which one shape holds PAIR_SHARE of the smaller. Then a
-    shape is linked to all that overlap it across from it, if it holds
-    GROUP_SHARE of the larger of itself and their union. Shapes of one level
-    are taken to be disjoint.
+    Two shapes are linked if they share PAIR_SHARE of the smaller. Then a shape
+    is linked to all that overlap it across from it, if they share GROUP_SHARE
+    of the larger one: the shape, or their union.
+
+    Parameters
+    ----------
+    shapes : (R,) array of shapely polygons
+        Those of one level are taken to be disjoint.
+    pairs : Pairs
+        What :func:`.similarity.near_pairs` returns.
+
+    Returns
+    -------
+    list of (low, high)
+        Sorted.
     """
     linked, area = pairs.share > PAIR_SHARE, shapely.area(shapes)
     for single, member in ((pairs.low, pairs.high), (pairs.high, pairs.low)):
@@ -46,7 +68,18 @@ def link_by_groups(shapes, pairs):
 
 
 def link_by_rules(level, height, shapes):
-    """The links of every rule, the rules by name: dict of METHODS to sorted (low, high) pairs."""
+    """Link shapes by every rule.
+
+    Parameters
+    ----------
+    level, height, shapes
+        As for :func:`.similarity.near_pairs`.
+
+    Returns
+    -------
+    dict of str to list of (low, high)
+        The sorted links of each of METHODS.
+    """
     pairs = near_pairs(level, height, shapes)
     return {
         "similarity": link_by_similarity(level, height, shapes, pairs),
@@ -57,17 +90,35 @@ def link_by_rules(level, height, shapes):
 
 
 def model_half(model):
-    """Which half of the corpus a model belongs to, by its id: "tuning" or "report".
+    """Tell which half of the corpus a model belongs to, by a hash of its id.
 
-    What is set by looking at results is set on the one, figures are given for the other.
+    Thresholds are set by looking at the results of the one half, and figures are given for the other.
+
+    Parameters
+    ----------
+    model : str
+        The id.
+
+    Returns
+    -------
+    str
+        "tuning" or "report".
     """
     return ("tuning", "report")[hashlib.blake2b(model.encode(), digest_size=8).digest()[-1] % 2]
 
 
 def compare_rules(contours, pieces):
-    """Counts of every rule on one sliced surface: a list of dicts, one per rule and kind.
+    """Count the right and wrong links of every rule on one sliced surface.
 
-    Columns `method` to `loops_found` of the table `comparison`.
+    Parameters
+    ----------
+    contours, pieces : pyarrow.Table
+        The tables.
+
+    Returns
+    -------
+    list of dict
+        One per rule and kind of event: the columns `method` to `loops_found` of the table `comparison`.
     """
     below, above = block_regions(pieces, contours)
     curves, level = contour_curves(contours, contours["geometry"].chunks), region_levels(contours)
@@ -84,10 +135,18 @@ def compare_rules(contours, pieces):
 
 
 def block_kinds(contours, pieces):
-    """What happens in every block: one of KINDS for each, a list.
+    """Tell what happens in every block.
 
-    "continuation" if all its pieces are cylinders, the event if one of them
-    alone holds one, else "compound".
+    Parameters
+    ----------
+    contours, pieces : pyarrow.Table
+        The tables, of B blocks.
+
+    Returns
+    -------
+    list of B str
+        Of KINDS: "continuation" if all its pieces are cylinders, the event if one of them alone holds one,
+        else "compound".
     """
     inner = contours["inner"].to_numpy(zero_copy_only=False)
     changes = [[] for _ in range(max(pieces["block"].to_pylist()) + 1)]
@@ -101,19 +160,35 @@ def block_kinds(contours, pieces):
 
 
 def _one_kind(changes):
+    """The kind of a block from the events in it."""
     if not changes:
         return "continuation"
     return changes[0] if len(changes) == 1 and changes[0] in EVENTS else "compound"
 
 
 def count_links(level, below, above, kinds, links):
-    """Hold `links` against those of the blocks: a list of dicts, one per kind that occurs and one for EVERY.
+    """Count links against those of the blocks, kind by kind.
 
-    level : (R,) of the regions; below, above : regions of every block; kinds :
-    of every block; links : pairs of regions, the lower first. A missed link
-    counts with its block; a false one with the block above its lower end or,
-    if nothing happens there, with the one below its upper end. A block or slab
-    is right if none of its links is missed and no false one touches it.
+    A missed link counts with its block; a false one with the block above its
+    lower end or, if nothing happens there, with the one below its upper end. A
+    block or slab is right if none of its links is missed and no false one
+    touches it.
+
+    Parameters
+    ----------
+    level : (R,) int
+        Levels of the regions.
+    below, above : list of B lists of int
+        Regions below and above every block.
+    kinds : list of B str
+        What :func:`block_kinds` returns.
+    links : iterable of (low, high)
+        Pairs of regions.
+
+    Returns
+    -------
+    list of dict
+        One for EVERY and one per kind that occurs.
     """
     truth = {(a, b): block for block, ends in enumerate(zip(below, above)) for a in ends[0] for b in ends[1]}
     block_over, block_under = _blocks_of(below), _blocks_of(above)
@@ -152,23 +227,46 @@ def _blocks_of(ends):
 
 
 def count_loops(level, links):
-    """Loops of the graph whose edges are the regions and whose nodes are what links hold together.
+    """Count the loops of the graph that links make of regions.
 
-    level : (R,). Every region is an edge from a part below it to one above it.
+    Every region is an edge from a node below it to one above it, and every link makes the node above its lower
+    region and the node below its upper region one.
+
+    Parameters
+    ----------
+    level : (R,) int
+        Levels of the regions.
+    links : iterable of (low, high)
+        Pairs of regions.
+
+    Returns
+    -------
+    int
+        Edges - nodes + components.
     """
     count = len(level)
     low, high = np.array(sorted(links), np.int64).reshape(-1, 2).T
-    part = connected_items(2 * low + 1, 2 * high, 2 * count)
+    part = connected_items(2 * low + 1, 2 * high, 2 * count)  # 2 r: below region r; 2 r + 1: above it
     n_parts = int(part.max()) + 1
     return count - n_parts + int(connected_items(part[::2], part[1::2], n_parts).max()) + 1
 
 
 def rates(table, by):
-    """The table `comparison` (pandas) summed over groups: a DataFrame, indexed by the columns `by`.
+    """Sum the table `comparison` over groups.
 
-    links, missed and false (per thousand links), blocks_right and slabs_right
-    (shares), loop_error (sum of the differences in the number of loops). NaN
-    where there is nothing to divide by.
+    Parameters
+    ----------
+    table : pandas.DataFrame
+        The table.
+    by : list of str
+        Columns that tell the groups apart.
+
+    Returns
+    -------
+    pandas.DataFrame
+        Indexed by the columns `by`: links; missed and false (per thousand links); blocks, slabs; blocks_right and
+        slabs_right (shares); loop_error (sum of the differences in the number of loops). NaN where there is
+        nothing to divide by.
     """
     table = table.assign(loop_error=(table["loops_found"] - table["loops"]).abs())
     total = table.groupby(list(by), sort=False).sum(numeric_only=True)

@@ -3,8 +3,8 @@
 The heuristics are for levels whose surface cannot be trusted, and for
 comparison; links read off the mesh are in :mod:`reebslice.slicing.pieces`. Every rule
 takes the shapes of all levels at once: `level` (R,) ascending, `height` (R,)
-and `shapes` (R,) polygons, and returns pairs of places in these arrays, the
-lower first, as a sorted list.
+and `shapes` (R,) polygons, and returns links as a sorted list of pairs of
+places in these arrays, the lower first.
 """
 
 from typing import NamedTuple
@@ -25,11 +25,20 @@ FARTHEST = 0.7
 
 
 def boolean_similarity(outlines, low, high):
-    """Areas of pairs of regions: dict of (E,) float64.
+    """Measure what pairs of regions have in common.
 
-    outlines : valid :class:`outlines.Outlines` of R regions; low, high : (E,)
-    places of the pairs. `similarity` is intersection over union (Ruiz and
-    Cadavid 2001), 0 where both are empty.
+    Parameters
+    ----------
+    outlines : Outlines
+        Valid, of R regions.
+    low, high : (E,) int
+        The two regions of every pair.
+
+    Returns
+    -------
+    dict of str to (E,) float64
+        `similarity`: intersection over union (Ruiz and Cadavid 2001), 0 where both regions are empty;
+        `area_source`, `area_target` : areas of the regions `low` and `high`; `area_intersection`, `area_union`.
     """
     area, shared = outline_areas(outlines), shared_areas(outlines, low, high)
     slow = np.isnan(shared)
@@ -49,9 +58,14 @@ def boolean_similarity(outlines, low, high):
 class Pairs(NamedTuple):
     """Shapes of consecutive levels that lie near each other, E pairs.
 
-    low, high : (E,) places in the arrays of shapes; the others, (E,) float64,
-    from :func:`boolean_similarity`; share : what part of the smaller shape
-    lies in the other.
+    Attributes
+    ----------
+    low, high : (E,) int
+        Places in the arrays of shapes.
+    similarity, overlap : (E,) float64
+        Intersection over union, and area of the intersection.
+    share : (E,) float64
+        The part of the smaller shape that lies in the other.
     """
 
     low: np.ndarray
@@ -62,7 +76,22 @@ class Pairs(NamedTuple):
 
 
 def near_pairs(level, height, shapes):
-    """All :class:`Pairs` of which a rule may link some; shapes that overlap are among them."""
+    """Find the pairs of shapes of which a rule may link some.
+
+    Parameters
+    ----------
+    level : (R,) int
+        Ascending.
+    height : (R,) float64
+        Mesh units.
+    shapes : (R,) array of shapely polygons
+        Valid ones.
+
+    Returns
+    -------
+    Pairs
+        Shapes that overlap are among them, and those no further apart than FARTHEST times their levels, by boxes.
+    """
     low, high = neighbours(level, height, shapes, FARTHEST)
     measured = boolean_similarity(find_outlines(shapes), low, high)
     smaller = np.minimum(measured["area_source"], measured["area_target"])
@@ -72,7 +101,7 @@ def near_pairs(level, height, shapes):
 
 
 def link_by_similarity(level, height, shapes, pairs=None):
-    """Links between shapes of consecutive levels that are most similar: sorted (low, high) pairs.
+    """Link the shapes of consecutive levels that are most similar.
 
     1. A shape belongs with the one across from it that is most similar to it,
        if at least LEAST_SHARE of the smaller lies in the other. Several that
@@ -80,10 +109,20 @@ def link_by_similarity(level, height, shapes, pairs=None):
     2. Shapes left without a partner on both sides: those that overlap at all
        are paired, most similar first, else those that lie nearest to each
        other, up to FARTHEST times the distance of their levels.
-    3. What hangs together is one part of the solid, all of whose shapes below
-       are linked to all above, as the links of the mesh are.
+    3. Shapes that links hold together are one part of the solid, all of whose
+       shapes below are linked to all above, as the links of the mesh are.
 
-    pairs : their :func:`near_pairs`, if these are at hand.
+    Parameters
+    ----------
+    level, height, shapes
+        As for :func:`near_pairs`.
+    pairs : Pairs, optional
+        Theirs, if they are at hand.
+
+    Returns
+    -------
+    list of (low, high)
+        Sorted.
     """
     low, high, similarity, _, share = pairs = pairs or near_pairs(level, height, shapes)
     linked = (share >= LEAST_SHARE) & (_is_best(low, similarity) | _is_best(high, similarity))
@@ -102,9 +141,17 @@ def _pair_rest(height, shapes, rest):
 
 
 def link_by_proximity(level, height, shapes):
-    """Links to the nearest centroid, both ways: sorted (low, high) pairs.
+    """Link every shape to that with the nearest centroid, at the level above and at the level below.
 
-    An empty shape has no centroid and is linked to none. height is not used.
+    Parameters
+    ----------
+    level, height, shapes
+        As for :func:`near_pairs`; `height` is not used.
+
+    Returns
+    -------
+    list of (low, high)
+        Sorted. An empty shape has no centroid and is linked to none.
     """
     from scipy.spatial import cKDTree  # takes long to load, and only this rule needs it
 
@@ -126,9 +173,19 @@ def link_by_proximity(level, height, shapes):
 
 
 def neighbours(level, height, shapes, reach=0.0):
-    """Pairs of shapes of consecutive levels whose boxes come near: (low, high), two (E,) arrays.
+    """Find pairs of shapes of consecutive levels whose boxes come near each other.
 
-    Nearer, that is, than `reach` times the distance of their levels.
+    Parameters
+    ----------
+    level, height, shapes
+        As for :func:`near_pairs`.
+    reach : float
+        How near, as a multiple of the distance of their levels.
+
+    Returns
+    -------
+    low, high : (E,) int
+        Places of the shapes.
     """
     present = np.flatnonzero(~shapely.is_empty(shapes))
     box, floor = shapely.bounds(shapes[present]), level[present]
@@ -145,7 +202,18 @@ def neighbours(level, height, shapes, reach=0.0):
 
 
 def complete_links(low, high):
-    """All shapes below with all above of each connected set of links: sorted (low, high) pairs."""
+    """Link all shapes below to all above in each connected set of links.
+
+    Parameters
+    ----------
+    low, high : (E,) int
+        The links.
+
+    Returns
+    -------
+    list of (low, high)
+        Sorted.
+    """
     if len(low) == 0:
         return []
     lower, i = np.unique(low, return_inverse=True)

@@ -8,6 +8,7 @@ coordinates. A plane sweeps upward and keeps the faces that it crosses, so time
 grows as faces + crossings, and levels can be had a block at a time.
 """
 
+import math
 from typing import NamedTuple
 
 import numpy as np
@@ -173,7 +174,7 @@ def _refuse_too_many(levels, crossings):
     if crossings > MOST_CROSSINGS:
         raise TooManyCrossingsError(
             f"{len(levels.height)} levels cross the mesh edges {crossings} times, more than the {MOST_CROSSINGS} "
-            f"that can be held: take fewer levels, by a factor of {crossings / MOST_CROSSINGS:.2g} or more"
+            f"that can be held: take fewer, by a factor of {math.ceil(crossings / MOST_CROSSINGS)}"
         )
 
 

@@ -93,7 +93,7 @@ def uniform_heights(low, high, distance):
     """
     if not distance > 0:
         raise ReebsliceError(f"The distance between levels is {distance}: it must be a positive number of mesh units.")
-    spacings = (high - low) / distance * (1 - 1e-12)  # infinite for a distance next to zero
+    spacings = float(high - low) / float(distance) * (1 - 1e-12)  # infinite for a distance next to zero
     if spacings > MOST_LEVELS:
         raise TooManyCrossingsError(
             f"A distance of {distance:.3g} mesh units makes {spacings:.3g} levels, more than the {MOST_LEVELS} that "
