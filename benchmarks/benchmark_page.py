@@ -61,7 +61,7 @@ def seconds(run, column, ours):
     """Seconds of a run, and in brackets how many times ours they are; else why there are none."""
     if run is None:
         return ""
-    if not run.status == "ok" or np.isnan(run[column]):
+    if run.status != "ok" or np.isnan(run[column]):
         return REMARKS.get(run.status, "over the limit" if run.status == "ok" else "failed")
     return figure(run[column]) + ("" if run.program == OURS else f" ({figure(run[column] / ours)}x)")
 
@@ -148,7 +148,10 @@ def graphs_lines(runs):
     peers = programs_of(runs, "surface graph")[1:]
     lines = head("mesh", "faces", "nodes", "loops", "reebslice, raw", "warm", "bytes per face",
                  *(f"{program}, raw" for program in peers), *(f"{name}, quoted" for name in QUOTED))  # fmt: skip
-    order = lambda cell: (cell[0] == "noise", cell[0], cell[3], cell[1])  # noqa: E731
+
+    def order(cell):
+        return cell[0] == "noise", cell[0], cell[3], cell[1]
+
     for cell in sorted(cells_of(runs, "surface graph"), key=order):
         ours = find_run(runs, OURS, "surface graph", cell)
         theirs = [answer_with_graph(find_run(runs, program, "surface graph", cell), ours) for program in peers]

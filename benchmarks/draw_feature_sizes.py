@@ -1,6 +1,6 @@
 """Draw the simplified solid graph of models at several feature sizes, side by side.
 
-    python benchmarks/draw_feature_sizes.py PICTURE.png MESH[@X,Y,Z]... [--sizes 0.2 0.1 0.05 0.02] [--results FOLDER] [--keep]
+    python benchmarks/draw_feature_sizes.py PICTURE.png MESH[@X,Y,Z]... [--sizes 0.2 0.1 ...] [--results FOLDER] [--keep]
 
 One row a model: the body, and the graph without what is smaller than each
 size (parts of the height range). X,Y,Z is the direction that points up, by
@@ -10,6 +10,7 @@ of it from level to level; with --keep, results that are there are taken.
 
 import argparse
 import io
+import itertools
 from pathlib import Path
 
 import networkx as nx
@@ -111,8 +112,9 @@ def draw_row(figure, folders, boxes):
         figure.figimage(canvas.image, box[0] * figure.bbox.width, box[1] * figure.bbox.height)
         lines = describe(read_figures(folder or folders[0]), folders[0].parent.name if folder is None else None)
         for step, (text, weight) in enumerate(lines):
-            figure.text(box[0] + box[2] / 2, box[1] - (13 + 16 * step) / figure.bbox.height, text, ha="center", va="center",
-                        fontsize=9 if weight == "bold" else 8, fontweight=weight, color=INK if weight == "bold" else SOFT)  # fmt: skip
+            size, ink = (9, INK) if weight == "bold" else (8, SOFT)
+            place = box[0] + box[2] / 2, box[1] - (13 + 16 * step) / figure.bbox.height
+            figure.text(*place, text, ha="center", va="center", fontsize=size, fontweight=weight, color=ink)
 
 
 def describe(figures, name=None):
@@ -121,7 +123,8 @@ def describe(figures, name=None):
         facts = f"{figures['faces']:,} faces, {figures['critical']:,} critical points, genus {figures['genus']:,}"
         return [(name, "bold"), (facts, "normal")]
     first = f"{figures['nodes']:,} nodes, {count(figures['loops_solid'], 'loop')} of the solid"
-    second = f"{figures['genus']:,} = {figures['loops']:,} shown + {figures['suppressed']:,} suppressed + {figures['hidden']:,} hidden"
+    second = f"{figures['genus']:,} = {figures['loops']:,} shown + {figures['suppressed']:,} suppressed"
+    second += f" + {figures['hidden']:,} hidden"
     return [(first, "bold"), (second, "normal")]
 
 
@@ -157,7 +160,7 @@ def find_way(whole, low, high, inside, taken):
 
     nodes = nx.shortest_path(whole, low, high, weight=cost)
     points = []
-    for a, b in zip(nodes[:-1], nodes[1:]):
+    for a, b in itertools.pairwise(nodes):
         arcs = whole[a][b]
         key = min(arcs, key=lambda key: arcs[key]["length"] * (10 if key in taken else 1))
         taken.add(key)

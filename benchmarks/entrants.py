@@ -7,7 +7,8 @@ states the answer in figures, outside the measurement. Modules are imported by
 the functions, for the sake of those that are not installed.
 """
 
-from typing import Callable, NamedTuple
+from collections.abc import Callable
+from typing import NamedTuple
 
 import numpy as np
 
@@ -126,7 +127,7 @@ ENTRANTS = [
         peers.build_cereeberus,
         peers.sweep_cereeberus,
         peers.check_multigraph,
-    ),  # fmt: skip
+    ),
     Entrant("reebslice", "solid graph", "", order_simple, solve, check_solid),
     Entrant("skeletor", "skeleton", "skeletor", peers.build_trimesh, peers.find_skeleton, peers.check_skeleton),
 ]

@@ -14,7 +14,8 @@ from corpus.stages import Rejected
 from model_runs import ROOT, read_figures, run_model
 
 HEAD = (
-    "| model | faces | critical points | fewest levels | exact distance | levels | events | genus | shown | suppressed | hidden |",
+    "| model | faces | critical points | fewest levels | exact distance | levels | events | genus | shown "
+    "| suppressed | hidden |",
     "| --- |" + " ---: |" * 10,
 )
 MARKS = "<!-- models begin -->\n", "<!-- models end -->"

@@ -16,12 +16,12 @@ PAGE = ROOT / "docs" / "tables.md"
 HEAD = """# Tables
 
 Made by `make tables` from `workflow/scripts/reebslice/schemas.py`; the same descriptions are in the metadata of the
-Parquet fields. The unit `mesh` is the length unit of the mesh file: `unit` in `inspection.json` names it where the format
-has one. Ids are int32, lengths and heights float64.
+Parquet fields. The unit `mesh` is the length unit of the mesh file: `unit` in `inspection.json` names it where the
+format has one. Ids are int32, lengths and heights float64.
 
-Two frames: `x`, `y`, `z` are always in the frame of the mesh file (the model frame); `geometry` of the contours is in the
-tilted frame, in which the height is the third coordinate (`rotation` in `tilt.json` leads there). `height` is the same in
-both. Two kinds of ids: `nodes` of an arc are regions for `graph = solid` and contours for `graph = surface`.
+Two frames: `x`, `y`, `z` are always in the frame of the mesh file (the model frame); `geometry` of the contours is in
+the tilted frame, in which the height is the third coordinate (`rotation` in `tilt.json` leads there). `height` is the
+same in both. Two kinds of ids: `nodes` of an arc are regions for `graph = solid` and contours for `graph = surface`.
 """
 TYPES = {"list<item: int32>": "list of int32", "double": "float64"}
 
@@ -31,9 +31,8 @@ def make_page():
     lines = [HEAD, "## Events\n", "| change | side | index | outer | inner | regions | operation |"]
     lines.append("| --- | --- | ---: | ---: | ---: | ---: | --- |")
     for change, (side, index, *steps, operation) in EVENTS.items():
-        lines.append(
-            f"| `{change}` | {side} | {index} | {' | '.join(f'{step:+d}' if step else '0' for step in steps)} | {operation} |"
-        )
+        told = " | ".join(f"{step:+d}" if step else "0" for step in steps)
+        lines.append(f"| `{change}` | {side} | {index} | {told} | {operation} |")
     for name, schema in SCHEMAS.items():
         key, says = (schema.metadata[word].decode() for word in (b"reebslice:primary_key", b"description"))
         where = "results/corpus/comparison.parquet" if name == "comparison" else f"{name}.parquet"

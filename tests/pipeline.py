@@ -46,7 +46,7 @@ class Result:
     def labelled(self, name):
         """The graph `name` with what `reference.compare_graphs` looks at on its nodes."""
         graph = self.graphs[name].copy()
-        for node, data in graph.nodes(data=True):
+        for _, data in graph.nodes(data=True):
             handle = self.handles[int(data["handle"])]
             _, _, outer, inner, _, _ = EVENTS.get(handle["change"], (None,) * 6)
             data.update(vertex=handle["vertex"], outer=outer, inner=inner)

@@ -10,6 +10,7 @@ the mesh is cut by a plane that really is tilted, by a rational amount so small
 that it changes the order of no two vertices. Flats are then no special case.
 """
 
+import itertools
 from collections import Counter
 from dataclasses import dataclass
 from fractions import Fraction
@@ -205,7 +206,7 @@ def find_pieces(faces, aboves):
         slab = next(iter(part))[2]
         edges = {name for sort, name, _ in part if sort == "edge"}
 
-        def touching(level):
+        def touching(level, edges=edges):
             found = ends[level] if 0 <= level < len(ends) else []
             return [c for c in found if tuple(sorted(next(iter(c)))) in edges]
 
@@ -242,7 +243,7 @@ def tilt_slightly(points):
     tilt = Fraction(1, 2**10)
     while True:
         heights = [z + tilt * x + tilt**2 * y for x, y, z in ordered]
-        if all(low < high for low, high in zip(heights, heights[1:])):
+        if all(low < high for low, high in itertools.pairwise(heights)):
             return [z + tilt * x + tilt**2 * y for x, y, z in exact], exact
         tilt /= 2**10
 
@@ -306,7 +307,7 @@ def sweep(points, faces, check_every_level=False, states=None):
             solid.add_edge(end, vertex, lower=end, upper=vertex)
         tails.update((c, vertex) for c in new)
         kept = {_find_successor(region, after): tail for region, tail in region_tails.items()}
-        region_tails = {**kept, **{region: vertex for region in come}}
+        region_tails = {**kept, **dict.fromkeys(come, vertex)}
         contours, regions = outer_after, after
     return surface, solid
 

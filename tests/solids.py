@@ -656,7 +656,7 @@ def box(width, depth, height, centre=(0.0, 0.0, 0.0)):
 
 
 def tube(curve, radius=0.4, around=36, across=5):
-    """A tube about a closed curve: `curve` maps (k,) parameters, of period 2 pi, to (k, 3) points of no straight stretch.
+    """A tube about a closed curve: `curve` maps (k,) parameters of period 2 pi to (k, 3) points, nowhere straight.
 
     The cross sections stand in the plane of normal and binormal. The caller
     sees to it that the tube does not meet itself.

@@ -1,5 +1,6 @@
 """Cavities and nested solids: known answers, nesting by brute force, and which surface arcs bound which solid arc."""
 
+import itertools
 from fractions import Fraction
 from functools import cache
 from pathlib import Path
@@ -141,7 +142,7 @@ def test_loops_of_the_solid_along_z(name):
 
 
 def test_every_verdict_is_earned(made):
-    _, (result, certificate, _) = made
+    _, (_result, certificate, _) = made
     assert [name for name, check in certificate["checks"].items() if not check["holds"]] == []
     assert certificate["verdict"] in ("exact", "exact_at_feature_size")
 
@@ -268,7 +269,7 @@ def test_a_surface_arc_bounds_a_path_between_its_own_events(made):
     assert set(result.graphs["solid"]) <= set(result.graphs["surface"])
     for row in arcs_of(result, "surface"):
         path = [solid[arc] for arc in row["bounds"]]
-        assert path and all(low["target"] == high["source"] for low, high in zip(path[:-1], path[1:]))
+        assert path and all(low["target"] == high["source"] for low, high in itertools.pairwise(path))
         if certificate["verdict"] == "exact":
             assert (path[0]["source"], path[-1]["target"]) == (row["source"], row["target"])
 

@@ -176,7 +176,13 @@ def another(value, field):
         return value[:-1] if value else [0]
     if isinstance(value, str):
         return (
-            {**{k: "compound" for k in PIECE_KINDS}, "compound": "join", "A": "B", "B": "A", "exact": "proximity"}.get(
+            {
+                **dict.fromkeys(PIECE_KINDS, "compound"),
+                "compound": "join",
+                "A": "B",
+                "B": "A",
+                "exact": "proximity",
+            }.get(
                 value,
                 "union" if value in ("continuation", "separation", "creation", "annihilation") else "continuation",
             )
@@ -200,7 +206,7 @@ def test_every_column_is_held_against_the_mesh(name, column):
     assert caught(alter(tables, name, change), tilt, graphs)
 
 
-@pytest.mark.parametrize("name", [name for name in TABLES])
+@pytest.mark.parametrize("name", list(TABLES))
 def test_a_row_too_few_or_too_many_is_caught(name):
     tables, tilt, graphs = results("mixture")
     assert caught(alter(tables, name, lambda rows: rows.pop()), tilt, graphs)
@@ -386,7 +392,7 @@ def test_every_other_unfolding_of_a_saddle_is_caught():
     upper = {w for w in after if points[w, 2] > points[vertex, 2]}
     wedges = []
     for w in upper - {after[u] for u in upper}:
-        first, w = w, w
+        first = w
         while after[w] in upper:
             w = after[w]
         wedges.append({"first": first, "last": w})
@@ -395,7 +401,7 @@ def test_every_other_unfolding_of_a_saddle_is_caught():
     for row, wedge in ((row, wedge) for row in range(3) for wedge in wedges if wedge != told[row]):
         other = dict(told[row])
 
-        def trade(rows):
+        def trade(rows, row=row, wedge=wedge, other=other):
             for one in rows:  # a wedge that another copy has goes to this one's
                 one.update(other if {"first": one["first"], "last": one["last"]} == wedge else {})
             rows[row].update(wedge)

@@ -152,7 +152,7 @@ def age(vertex, upward):
 
 def slow_pairs(mesh, levels):
     """Partners by the elder rule, told from all mesh edges of a slab and the contours that these run through."""
-    contours, crossings = trace_crossings(mesh, levels)
+    _contours, crossings = trace_crossings(mesh, levels)
     slab = vertex_slabs(mesh, levels)
 
     def contour_across(face, level):

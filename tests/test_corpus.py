@@ -1,5 +1,6 @@
 """Discovery, batches, digests of code, and a batch of models that go well and badly."""
 
+import json
 import os
 import subprocess
 import sys
@@ -94,7 +95,7 @@ def test_names_that_mean_something_to_snakemake_are_models_like_others():
 def put_gltf(path, uri):
     path = Path(path)
     path.parent.mkdir(parents=True, exist_ok=True)
-    path.write_text('{"asset": {"version": "2.0"}, "buffers": [{"uri": "%s", "byteLength": 4}]}' % uri)
+    path.write_text(json.dumps({"asset": {"version": "2.0"}, "buffers": [{"uri": uri, "byteLength": 4}]}))
 
 
 def test_a_mesh_is_another_when_a_file_that_it_names_is():

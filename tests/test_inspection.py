@@ -1,5 +1,6 @@
 """The inspection of surfaces: mathematics, defects made on purpose, and laws."""
 
+import itertools
 import json
 
 import networkx as nx
@@ -113,7 +114,7 @@ def test_examples(tmp_path_factory, name):
 
 def test_linked_rings_and_knot_keep_their_distance():
     rings = [make_examples._to_manifold(ring) for ring in make_examples.make_linked_rings()]
-    assert min(one.min_gap(two, 9) for one, two in zip(rings, rings[1:])) > 1
+    assert min(one.min_gap(two, 9) for one, two in itertools.pairwise(rings)) > 1
     centres = make_examples.make_trefoil().vertices.reshape(240, 32, 3).mean(axis=1)
     apart = np.linalg.norm(centres[:, None] - centres, axis=2)
     steps = np.abs(np.arange(240)[:, None] - np.arange(240))
@@ -209,7 +210,7 @@ def test_noise_needs_the_smallest_tolerance_that_closes():
     points, faces = soup(*torus())
     rng = np.random.default_rng(1)
     noisy = points + rng.uniform(-1, 1, points.shape) * 8 * 2e-10
-    tables, found = inspected((noisy, faces))
+    _tables, found = inspected((noisy, faces))
     assert found["tolerance"] in (1e-10, 1e-9) and found["genus"] == 1
     assert "open mesh edges" in found["repairs"][0]
     assert inspect_surface(noisy, faces, {"merge_tolerance": 1e-11})[1]["status"] == "rejected"
@@ -261,7 +262,7 @@ def test_degenerate_faces_go_and_collinear_faces_stay():
     middle = (points[a] + points[b]) / 2
     points = np.concatenate([points, [middle]])
     split = [[a, 8, c], [8, b, c], [a, b, 8], [a, a, b]]
-    tables, found = inspected((points, np.concatenate([faces[1:], split])))
+    _tables, found = inspected((points, np.concatenate([faces[1:], split])))
     assert found["collinear_faces"] == 1 and found["degenerate_faces_removed"] == 1
     assert (found["genus"], found["n_faces"]) == (0, 14)
     assert found["volume"] == pytest.approx(1)
@@ -269,7 +270,7 @@ def test_degenerate_faces_go_and_collinear_faces_stay():
 
 def test_pinched_vertex_is_split():
     one, two = box((0, 0, 0), (1, 1, 1)), box((1, 1, 1), (2, 2, 2))
-    tables, found = inspected(join(one, two))
+    _tables, found = inspected(join(one, two))
     assert (found["components"], found["pinch_vertices_split"]) == (2, 1)
     assert found["n_vertices"] == 16
     reason = inspect_surface(*join(one, two), {"repair": ["orient"]})[1]["reason"]
@@ -503,7 +504,7 @@ def test_orders_of_faces_and_half_edges_are_those_of_slow_sorts():
     order, starts = half_edges.group_half_edges(faces, 12)
     ends = [tuple(sorted((faces[h // 3, h % 3], faces[h // 3, (h % 3 + 1) % 3]))) for h in range(900)]
     assert order.tolist() == sorted(range(900), key=lambda h: ends[h])
-    grouped = [{ends[h] for h in order[begin:end]} for begin, end in zip(starts, starts[1:])]
+    grouped = [{ends[h] for h in order[begin:end]} for begin, end in itertools.pairwise(starts)]
     assert all(len(group) == 1 for group in grouped) and len(grouped) == len(set(ends))
 
 

@@ -1,5 +1,6 @@
 """The library against the slow reference, and laws that hold whatever the solid."""
 
+import itertools
 import tempfile
 from collections import Counter
 from functools import cached_property
@@ -97,7 +98,7 @@ class Comparison:
     def slabs(self):
         """Slabs between two kept levels that follow each other: {slab: its number among kept levels}."""
         ends = [-1, *self.kept, len(self.result.levels)]
-        return {low: k - 1 for k, (low, high) in enumerate(zip(ends, ends[1:])) if high == low + 1}
+        return {low: k - 1 for k, (low, high) in enumerate(itertools.pairwise(ends)) if high == low + 1}
 
 
 # --------------------------------------------------------------------------

@@ -84,7 +84,20 @@ def test_gltf_with_its_buffers(tmp_path):
         binary_stl() + b"\n",
         binary_stl(b"\0"),
     ],
-    ids="ascii cr crlf comment semicolon upper lead solid words trailing newline plain".split(),
+    ids=[
+        "ascii",
+        "cr",
+        "crlf",
+        "comment",
+        "semicolon",
+        "upper",
+        "lead",
+        "solid",
+        "words",
+        "trailing",
+        "newline",
+        "plain",
+    ],
 )
 def test_stl_that_readers_stumble_over(tmp_path, data):
     path = tmp_path / "box.stl"
@@ -110,7 +123,7 @@ def off(polygons, head="OFF", extra=""):
         off(SIDES).replace("OFF\n# a comment\n", "OFF "),
         off(SIDES).replace("\n", "\r\n"),
     ],
-    ids="quads triangles mixed colours normals oneline crlf".split(),
+    ids=["quads", "triangles", "mixed", "colours", "normals", "oneline", "crlf"],
 )
 def test_off_with_polygons_and_colours(tmp_path, text):
     (tmp_path / "box.off").write_text(text, newline="")

@@ -241,7 +241,10 @@ def test_ticks_are_round_and_their_texts_tell_them(low, power):
     assert told == pytest.approx(values, abs=1e-6 * extent) and len(set(texts)) == len(texts)
 
 
-def draw_graph(graph, points=np.zeros((0, 3)), faces=np.zeros((0, 3), int), width=300):
+NO_POINTS, NO_FACES = np.zeros((0, 3)), np.zeros((0, 3), int)
+
+
+def draw_graph(graph, points=NO_POINTS, faces=NO_FACES, width=300):
     graph = Graph(dict(graph.nodes(data=True)), list(graph.edges(data=True)))
     return draw_model(Title("m", ["0 faces"], "exact"), Body(points, faces, np.eye(3), []), graph, {}, {"width": width})
 

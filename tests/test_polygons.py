@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
-from mesh_writers import ORDERS, write_mesh
 
+from mesh_writers import ORDERS, write_mesh
 from reebslice.errors import MeshFormatError
 from reebslice.formats import polygons
 from reebslice.formats.meshes import read_mesh
@@ -47,7 +47,7 @@ def ring(faces):
 
 
 def assert_fits(points, order, faces):
-    """n - 2 triangles that do not fold, of the polygon's area, with its outline for a rim."""
+    """N - 2 triangles that do not fold, of the polygon's area, with its outline for a rim."""
     assert len(faces) == len(order) - 2
     areas = vector_areas(points, faces)
     normal = vector_areas(points, np.column_stack([np.zeros_like(order), order, np.roll(order, -1)])).sum(axis=0)
@@ -110,7 +110,9 @@ def test_polygons_without_area_keep_their_outline():
 
 def test_bent_polygons_are_told_with_the_worst_one():
     lift = [0, 1e-5, 0.02, 0.2]
-    points = np.vstack([[[x, y, 3 * k + lift[k] * (x * y)] for x, y in ((0, 0), (1, 0), (1, 1), (0, 1))] for k in range(4)])
+    points = np.vstack(
+        [[[x, y, 3 * k + lift[k] * (x * y)] for x, y in ((0, 0), (1, 0), (1, 1), (0, 1))] for k in range(4)]
+    )
     faces, notes = cut_polygons(points, np.arange(16, dtype=np.int32), np.full(4, 4))
     assert len(faces) == 8 and len(notes) == 1
     assert notes[0].startswith("2 of 4 polygons are bent") and "the first is face 2;" in notes[0]

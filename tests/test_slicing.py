@@ -45,7 +45,7 @@ def test_contours_of_a_ball_are_near_circles():
 
 
 def test_material_is_on_the_left():
-    mesh, slices = cut(solids.torus(2.0, 0.7, 24, 12), [0.1])
+    _mesh, slices = cut(solids.torus(2.0, 0.7, 24, 12), [0.1])
     area = measure_contours(slices.contours)[0]
     assert sorted(np.sign(area)) == [-1, 1] and area.sum() > 0
     assert slices.regions.inner.tolist() == (area < 0).tolist()
@@ -77,7 +77,7 @@ def test_volume_of_a_block_is_that_of_the_slab():
 
 def test_a_tunnel_between_two_levels_is_hidden_genus():
     solid = solids.torus(2.0, 0.5, 12, 7)  # lies flat: all of it between the two levels
-    mesh, slices = cut(solid, [-0.6, 0.6])
+    _mesh, slices = cut(solid, [-0.6, 0.6])
     assert len(slices.contours.level) == 0
     assert slices.pieces.kinds() == ["unseen"] and slices.pieces.genus.tolist() == [1]
 
@@ -85,7 +85,7 @@ def test_a_tunnel_between_two_levels_is_hidden_genus():
 def test_a_void_between_two_levels_belongs_to_the_block_around_it():
     centre = solids.cube().points.mean(axis=0)
     solid = solids.unite(solids.cube(), solids.carve(solids.move(solids.scale(solids.icosphere(1), 0.05), centre)))
-    mesh, slices = cut(solid, [centre[2] - 0.2, centre[2] + 0.2])
+    _mesh, slices = cut(solid, [centre[2] - 0.2, centre[2] + 0.2])
     unseen = slices.pieces.kinds().index("unseen")
     wall = [p for p, slab in enumerate(slices.pieces.slab) if slab == slices.pieces.slab[unseen] and p != unseen]
     assert slices.surfaces.flux[unseen] < 0

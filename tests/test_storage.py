@@ -20,15 +20,23 @@ TRIANGLE = shapely.LineString([(0, 0), (1, 0), (0, 1), (0, 0)])
 
 
 def nodes_table():
-    columns = dict(node=[0, 1], level=[0, 1], region=[0, 1], height=[0.1, 0.2], critical=[True, False])
-    columns |= dict(x=[0.0, 1.0], y=[0.0, 1.0], z=[0.1, 0.2], area=[1.0, 2.0], inscribed_radius=[0.5, 0.6])
-    return build_table("nodes", columns | dict(n_holes=[0, 0]))
+    columns = {"node": [0, 1], "level": [0, 1], "region": [0, 1], "height": [0.1, 0.2], "critical": [True, False]}
+    columns |= {"x": [0.0, 1.0], "y": [0.0, 1.0], "z": [0.1, 0.2], "area": [1.0, 2.0], "inscribed_radius": [0.5, 0.6]}
+    return build_table("nodes", columns | {"n_holes": [0, 0]})
 
 
 def contours_table():
-    columns = dict(level=[0], contour=[0], height=[0.0], shell=[0], region=[0], inner=[False], parent=[None])
-    columns |= dict(signed_area=[0.5], perimeter=[3.4], n_points=[3], lower_vertex=[0], upper_vertex=[1])
-    return build_table("contours", columns | dict(geometry=[shapely.to_wkb(TRIANGLE)]))
+    columns = {
+        "level": [0],
+        "contour": [0],
+        "height": [0.0],
+        "shell": [0],
+        "region": [0],
+        "inner": [False],
+        "parent": [None],
+    }
+    columns |= {"signed_area": [0.5], "perimeter": [3.4], "n_points": [3], "lower_vertex": [0], "upper_vertex": [1]}
+    return build_table("contours", columns | {"geometry": [shapely.to_wkb(TRIANGLE)]})
 
 
 def test_table_comes_back_equal_with_key_and_units(tmp_path):
@@ -99,4 +107,4 @@ def test_every_column_says_what_it_is_and_the_page_of_tables_says_the_same():
         assert schema.metadata[b"description"].endswith(b"."), name
         assert all(field.metadata[b"description"].endswith(b".") for field in schema), name
     script = Path(__file__).parents[1] / "docs" / "make_tables.py"
-    assert subprocess.run([sys.executable, script, "--check"]).returncode == 0, "run make tables"
+    assert subprocess.run([sys.executable, script, "--check"], check=False).returncode == 0, "run make tables"

@@ -275,10 +275,13 @@ def test_igraph_reads_the_same_multigraph(tmp_path, name):
 
 def test_graphml_is_what_networkx_writes(tmp_path):
     random = np.random.default_rng(11)
-    for number in range(40):
+    for _ in range(40):
         names = [f"h{k}" for k in random.permutation(9)[: random.integers(1, 9)]]
         optional = {"x": -1.5e-17, "word": "o,o->o & <é>", "index": 2, "flag": True, "none": ""}
-        pick = lambda: {k: v for k, v in optional.items() if random.random() < 0.7}  # noqa: E731
+
+        def pick(optional=optional):
+            return {k: v for k, v in optional.items() if random.random() < 0.7}
+
         nodes = {name: {"height": float(random.normal())} | pick() for name in names}
         edges = [(*random.choice(names, 2).tolist(), {"id": f"e{k}"} | pick()) for k in range(random.integers(0, 14))]
         graph = nx.MultiGraph()

@@ -22,7 +22,7 @@ PLAIN = {
     "order": lambda xml: re.sub(r'(x="\S+) (y="\S+) (z="[^"]+")', r"\3 \1 \2", xml),
     "more attributes": lambda xml: xml.replace("v1=", 'pid="1" p:paint="4C" p1="2" v1=').replace("x=", 'p:x="7" x='),
     "end tags": lambda xml: re.sub(r"<(vertex|triangle) ([^>]*)/>", r"<\1 \2 >\n</\1 >", xml),
-    "prefix": lambda xml: _prefix(xml),
+    "prefix": lambda xml: _prefix(xml),  # noqa: PLW0108, defined below
     "exponents": lambda xml: xml.replace('x="1"', 'x="+1.0e0"').replace('y="0"', 'y="-0."'),
 }
 NOT_PLAIN = {

@@ -10,6 +10,6 @@ from corpus.process import print_into, trim_startup
 from corpus.storage import write_parquet
 
 if "snakemake" in globals():
-    print_into(snakemake.log[0])  # noqa: F821
+    print_into(snakemake.log[0])
     trim_startup()
-    write_parquet(snakemake.output.table, make_model_table(snakemake.input))  # noqa: F821
+    write_parquet(snakemake.output.table, make_model_table(snakemake.input))

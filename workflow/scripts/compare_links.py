@@ -50,4 +50,4 @@ def choose_rotation(points, faces, tilt):
 
 
 if "snakemake" in globals():
-    run_batch(snakemake, main, OUTPUTS)  # noqa: F821
+    run_batch(snakemake, main, OUTPUTS)

@@ -23,7 +23,7 @@ def main(tables):
     for table in [table for table in tables if broken[table]]:
         Path(table).unlink()
     if any(broken.values()):
-        faults = [f"{row['model']}: {row['reason'] or 'its table is gone'}" for row in sum(broken.values(), [])]
+        faults = [f"{row['model']}: {row['reason'] or 'its table is gone'}" for rows in broken.values() for row in rows]
         raise RuntimeError("not compared; the next run tries again:\n" + "\n".join(faults))
     done = sorted(row["model"] for table in tables for row in rows[table] if row["status"] == "ok")
     if not done:

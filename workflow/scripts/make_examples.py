@@ -229,7 +229,8 @@ def _to_trimesh(solid):
 def write_parts(path, parts):
     """Write parts as one file; a 3MF keeps them apart, other formats join them."""
     if path.suffix == ".3mf":
-        return write_3mf(path, parts)
+        write_3mf(path, parts)
+        return
     whole = trimesh.util.concatenate(parts)
     whole.vertices = whole.vertices.astype(np.float32)
     trimesh.Trimesh(whole.vertices, whole.faces, process=False).export(path)

@@ -19,4 +19,4 @@ def main(source, target, options):
 
 
 if "snakemake" in globals():
-    run_batch(snakemake, main, OUTPUTS)  # noqa: F821
+    run_batch(snakemake, main, OUTPUTS)

@@ -115,7 +115,7 @@ def _contradictions(config):
         faults.append("tilt.direction is missing: tilt.mode is 'direction', which needs direction: [x, y, z]")
     if tilt["mode"] != "direction" and tilt["direction"] is not None:
         faults.append(
-            f"tilt.direction is given, but tilt.mode is {tilt['mode']!r}: write mode: direction, or remove the direction"
+            f"tilt.direction is given, but tilt.mode is {tilt['mode']!r}: write mode: direction, or remove it"
         )
     if tilt["direction"] is not None and not any(tilt["direction"]):
         faults.append("tilt.direction is the zero vector: at least one of its three numbers must differ from 0")

@@ -82,7 +82,7 @@ def find_models(folder, beside=("results", ".snakemake")):
 
 
 def _walk(folder, skipped, seen):
-    """Yield (path, entry) of what is below `folder`, hidden names left out, links followed; no entry where no file is."""
+    """Yield (path, entry) of what is below `folder` but hidden names, links followed; None where no file is."""
     real = os.path.realpath(folder)
     if real in skipped or real in seen:
         return

@@ -3,6 +3,7 @@
 import gc
 import os
 import sys
+from contextlib import suppress
 from pathlib import Path
 
 import pyarrow as pa
@@ -44,10 +45,8 @@ class _WithoutPandas:
 
 def reset_peak_memory():
     """Start the peak anew for this model, where the system can (Linux)."""
-    try:
+    with suppress(OSError):
         Path("/proc/self/clear_refs").write_text("5")
-    except OSError:
-        pass
 
 
 def peak_memory_mb():

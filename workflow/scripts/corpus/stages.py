@@ -38,13 +38,13 @@ def run_batch(snakemake, main, outputs):
 
     Reads the models from ``input.status``, the status table of the stage
     before, or, in the first stage, from ``params.models`` and
-    ``params.paths``, since not every path of a mesh can be an input. Writes the status table of this stage. Everything that
-    is printed on the way goes to the log.
+    ``params.paths``, since not every path of a mesh can be an input. Writes the
+    status table of this stage. Everything that is printed goes to the log.
     """
     stage, parameters = snakemake.rule, snakemake.params
     print_into(snakemake.log[0])
     trim_startup()
-    if "status" in snakemake.input.keys():
+    if "status" in snakemake.input:
         rows = read_status(snakemake.input.status)
     else:
         rows = _first_rows(parameters.models, parameters.paths)

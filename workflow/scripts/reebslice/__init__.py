@@ -35,7 +35,7 @@ _HOMES = {
     "uniform_heights": "slicing.levels",
 }
 
-__all__ = ["__version__", "errors", *_HOMES]
+__all__ = ["__version__", "errors", *_HOMES]  # noqa: PLE0604, they are strings
 
 
 def __getattr__(name):

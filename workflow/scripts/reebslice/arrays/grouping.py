@@ -1,5 +1,6 @@
 """Groups of items, and runs of consecutive items that fit in memory."""
 
+import itertools
 from typing import NamedTuple
 
 import numpy as np
@@ -76,7 +77,7 @@ def group_of_members(groups):
 def list_groups(groups):
     """Convert :class:`Groups` to a list of G lists of ids."""
     member, start = groups.member.tolist(), groups.start.tolist()
-    return [member[a:b] for a, b in zip(start[:-1], start[1:])]
+    return [member[a:b] for a, b in itertools.pairwise(start)]
 
 
 def split_into_blocks(total, most):

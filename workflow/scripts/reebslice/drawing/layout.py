@@ -120,7 +120,7 @@ def _join_lanes(ends, heights, reach):
 
 def _straighten(run, ends, nodes, heights, reach):
     """Positions (m,) of the arcs, those shorter than `reach` and without a parallel moved between their nodes."""
-    pairs, number, count = np.unique(ends, axis=0, return_inverse=True, return_counts=True)
+    _pairs, number, count = np.unique(ends, axis=0, return_inverse=True, return_counts=True)
     short = (heights[ends[:, 1]] - heights[ends[:, 0]] < reach) & (count[number.ravel()] == 1)
     return np.where(short, np.clip(run, nodes[ends].min(axis=1), nodes[ends].max(axis=1)), run)
 

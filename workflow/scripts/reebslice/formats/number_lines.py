@@ -16,7 +16,7 @@ def read_text(path):
     return data[len(MARK) :] if data.startswith(MARK) else data
 
 
-def read_numbers(text, most=np.iinfo(np.int64).max):
+def read_numbers(text, most=2**63 - 1):
     """Read the lines of a text, as bytes, that are not blank, and of those the first `most`.
 
     Returns the numbers (n,) float64, correctly rounded, and how many stand in

@@ -71,7 +71,7 @@ def read_obj(path):
 
 HASH, SLASH, BACKSLASH, MINUS, PLUS, ZERO, NINE = b"#/\\-+09"
 NEW_LINE, SPACE = b"\n "
-F, G, M, N, O, S, T, U, V = b"fgmnostuv"  # noqa: E741
+F, G, M, N, O, S, T, U, V = b"fgmnostuv"  # noqa: E741, the letter
 NOTHING, VERTEX, FACE, OTHER = range(4)
 MOST = 2**31 - 1
 
@@ -115,10 +115,10 @@ def _tell_statement(letters, i):
     if first == HASH:
         return NOTHING
     if first == V:
-        return VERTEX if alone else OTHER - (second == T or second == N) * OTHER
+        return VERTEX if alone else OTHER - (second in (T, N)) * OTHER
     if first == F and (alone or (second == O and (i + 2 >= len(letters) or is_blank(letters[i + 2])))):
         return FACE
-    passed = (first == G or first == O or first == S) and alone
+    passed = (first in (G, O, S)) and alone
     passed |= (first == U and second == S) or (first == M and second == T)  # usemtl, mtllib
     return NOTHING if passed else OTHER
 
@@ -173,7 +173,7 @@ def _read_face(letters, i, ids, at, n_points):
         elif _goes_on(letters, i):
             i += 2
         else:
-            negative, value, begin = letter == MINUS, 0, i + (letter == MINUS or letter == PLUS)
+            negative, value, begin = letter == MINUS, 0, i + (letter in (MINUS, PLUS))
             i = begin
             while i < n and ZERO <= letters[i] <= NINE:
                 value = min(10 * value + letters[i] - ZERO, MOST)

@@ -130,9 +130,9 @@ class Package:
 
 
 def spell_name(name):
-    """Return a part's name with one leading slash.
+    r"""Return a part's name with one leading slash.
 
-    >>> spell_name("3D\\\\a.model")
+    >>> spell_name("3D\\a.model")
     '/3D/a.model'
     """
     return "/" + name.replace("\\", "/").lstrip("/")

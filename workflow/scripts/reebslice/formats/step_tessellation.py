@@ -13,7 +13,7 @@ import numpy as np
 
 from ..errors import MeshFormatError
 
-TOLERANCES = dict(tol_linear=0.001, tol_angular=0.25, tol_relative=True)
+TOLERANCES = {"tol_linear": 0.001, "tol_angular": 0.25, "tol_relative": True}
 METRE = 1000.0  # millimetres in the unit of glTF
 # cascadio imports trimesh if it is there, to extend it, which takes longer than most files and is of no use here.
 _PROGRAM = """import sys

@@ -165,9 +165,7 @@ def _is_word(letters, i, word):
 def _is_comment(letters, i):
     """Tell whether a comment begins at i, as programs write them, though the specification has none."""
     letter = letters[i]
-    return (
-        letter == HASH or letter == SEMICOLON or (letter == SLASH and i + 1 < len(letters) and letters[i + 1] == SLASH)
-    )
+    return letter in (HASH, SEMICOLON) or (letter == SLASH and i + 1 < len(letters) and letters[i + 1] == SLASH)
 
 
 @njit(cache=True)

@@ -1,7 +1,7 @@
 """Objects and build of one model part of a 3MF package, from its XML."""
 
 import re
-from typing import NamedTuple
+from typing import ClassVar, NamedTuple
 
 import numpy as np
 
@@ -109,7 +109,8 @@ class _Reader:
         """Take the begin of an element, by where it is."""
         if ROW_PLACES.get(tag) == self.places[-1]:  # by far the most frequent
             self.places.append(tag)
-            return self.take_row(tag[len(CORE) + 1 :], attributes)
+            self.take_row(tag[len(CORE) + 1 :], attributes)
+            return
         namespace, _, name = tag.rpartition(" ")
         place = f"{self.places[-1]}/{name if namespace == CORE else tag}"
         self.places.append(place)
@@ -156,8 +157,14 @@ class _Reader:
             word for key, word in attributes.items() if key.endswith((" meshresolution", " modelresolution"))
         ]
         resolution = next((word for word in resolutions if word != "fullres"), "fullres")
-        self.object = dict(object_id=object_id, type_=type_, name=attributes.get("name", ""))
-        self.object |= dict(foreign=set(), components=[], resolution=resolution, meshed=False, composed=False)
+        self.object = {"object_id": object_id, "type_": type_, "name": attributes.get("name", "")}
+        self.object |= {
+            "foreign": set(),
+            "components": [],
+            "resolution": resolution,
+            "meshed": False,
+            "composed": False,
+        }
         self.mesh = None
 
     def begin_mesh(self, name, _):
@@ -255,7 +262,7 @@ class _Reader:
         """Take the begin of the build."""
         self.built = True
 
-    STARTS = {
+    STARTS: ClassVar = {
         "/model/resources/object": begin_object,
         "/model/resources/object/mesh": begin_mesh,
         "/model/resources/object/components": begin_mesh,

@@ -1,5 +1,7 @@
 """Arcs of a Reeb graph, their figures, and which arcs of the surface bound which of the solid."""
 
+import itertools
+
 import numpy as np
 
 
@@ -28,7 +30,7 @@ def trace_arcs(parts):
     part_above = {item: part for part, lower in enumerate(parts.below) for item in lower}
     arcs, ends = [], np.zeros(len(joints), int)
     for part, inside in enumerate(joints):
-        for source, target in zip(inside[:-1], inside[1:]):
+        for source, target in itertools.pairwise(inside):
             arcs.append({"source": source, "target": target, "nodes": [], "through": [], "between": (part, part)})
         for item in parts.above[part] if inside else ():
             nodes, through, following = [item], [], part_above[item]
@@ -80,7 +82,7 @@ def bounding_arcs(parts, solid, surface, region, inner):
     near = {}
     for lower, upper, joints in zip(parts.below, parts.above, parts.joints):
         if len(joints) > 1:
-            near |= dict.fromkeys(zip(joints[:-1], joints[1:]), walls[lower[0]] | walls[upper[0]])
+            near |= dict.fromkeys(itertools.pairwise(joints), walls[lower[0]] | walls[upper[0]])
     of_solid, of_surface = [], [[] for _ in surface]
     for number, arc in enumerate(solid):
         low, high = arc["source"], arc["target"]

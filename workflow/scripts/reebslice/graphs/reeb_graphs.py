@@ -1,5 +1,7 @@
 """The Reeb graphs as nodes, arcs and attributes: of solid and surface, simplified, and with every material point."""
 
+import itertools
+
 import numpy as np
 
 from ..arrays.components import connected_items
@@ -141,7 +143,7 @@ def augmented_graph(parts, joints, nodes, similarity):
         first, last = joints[chain[0]], joints[chain[-1]]
         for item in lower:
             connect(f"n{item}", joint_name(chain[0]), operation=first["operation"], handle=chain[0])
-        for low, high in zip(chain[:-1], chain[1:]):
+        for low, high in itertools.pairwise(chain):
             connect(joint_name(low), joint_name(high), operation=joints[high]["operation"], handle=high)
         for item in upper:
             connect(joint_name(chain[-1]), f"n{item}", operation=last["operation"], handle=chain[-1])

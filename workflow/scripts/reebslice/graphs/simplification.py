@@ -54,9 +54,9 @@ class _Strands:
             self.arms[low][1].add(arc)
             self.arms[high][0].add(arc)
         self.extreme = [list(range(len(self.height))) for _ in range(2)]
-        for arc, (low, high) in sorted(self.ends.items(), key=lambda item: item[1][1]):
+        for low, high in sorted(self.ends.values(), key=lambda ends: ends[1]):
             self.extreme[0][high] = min(self.extreme[0][high], self.extreme[0][low])
-        for arc, (low, high) in sorted(self.ends.items(), key=lambda item: -item[1][0]):
+        for low, high in sorted(self.ends.values(), key=lambda ends: -ends[0]):
             self.extreme[1][low] = max(self.extreme[1][low], self.extreme[1][high])
 
     def small_pairs(self, size):

@@ -1,4 +1,4 @@
-"""Is this mesh the boundary of a solid, and which surface does it describe?
+"""Inspection of a mesh: whether it is the boundary of a solid, and of which.
 
 Faces and corners as a file has them go in; one canonical surface comes out,
 with a record of what was found and repaired, or the reason why there is none.
@@ -172,29 +172,29 @@ def _tabulate(surface, inspection):
     n_vertices = np.bincount(shell_of_vertex, minlength=n_shells)
     faces = sort_faces(faces, len(points))
     euler = n_vertices - n_faces // 2  # three mesh edges for every two faces
-    columns = dict(
-        shell=np.arange(n_shells),
-        body=sides.body,
-        parent=[None if one < 0 else int(one) for one in sides.parent],
-        void=sides.volumes < 0,
-        n_vertices=n_vertices,
-        n_faces=n_faces,
-        euler_characteristic=euler,
-        genus=(2 - euler) // 2,
-        area=sides.areas,
-        volume=sides.volumes,
-    )
-    figures = dict(
-        n_vertices=len(points),
-        n_faces=len(faces),
-        oriented=True,
-        components=n_shells,
-        genus=int(columns["genus"].sum()),
-        euler_characteristic=int(euler.sum()),
-        voids=int(columns["void"].sum()),
-        area=float(sides.areas.sum()),
-        volume=float(sides.volumes.sum()),
-    )
+    columns = {
+        "shell": np.arange(n_shells),
+        "body": sides.body,
+        "parent": [None if one < 0 else int(one) for one in sides.parent],
+        "void": sides.volumes < 0,
+        "n_vertices": n_vertices,
+        "n_faces": n_faces,
+        "euler_characteristic": euler,
+        "genus": (2 - euler) // 2,
+        "area": sides.areas,
+        "volume": sides.volumes,
+    }
+    figures = {
+        "n_vertices": len(points),
+        "n_faces": len(faces),
+        "oriented": True,
+        "components": n_shells,
+        "genus": int(columns["genus"].sum()),
+        "euler_characteristic": int(euler.sum()),
+        "voids": int(columns["void"].sum()),
+        "area": float(sides.areas.sum()),
+        "volume": float(sides.volumes.sum()),
+    }
     for name, figure in figures.items():
         setattr(inspection, name, figure)
     return {

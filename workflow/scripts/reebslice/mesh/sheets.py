@@ -4,6 +4,8 @@ A sheet runs on across its mesh edges from face to face. Sheets may touch, and
 then share positions, but no faces; here each gets vertices of its own.
 """
 
+import itertools
+
 import numpy as np
 from numba import njit
 
@@ -227,4 +229,4 @@ def _fan_out(face, middles):
     ring = [vertex for pair in zip(face, middles) for vertex in pair if vertex >= 0]
     first = next(k for k, vertex in enumerate(ring) if vertex in middles)
     ring = ring[first:] + ring[:first]
-    return [[ring[0], one, two] for one, two in zip(ring[1:], ring[2:])]
+    return [[ring[0], one, two] for one, two in itertools.pairwise(ring)]

@@ -6,6 +6,7 @@ material between them is the same: bodies that meet in a mere mesh edge, or in
 a face, then come apart, as they would if the material shrank by next to nothing.
 """
 
+import itertools
 from fractions import Fraction
 from functools import cmp_to_key
 
@@ -109,7 +110,7 @@ def _pair(points, faces, half_edges, slack, edge):
             edge,
             "unite those parts, or move them apart",
         )
-    exact = not any(_turn(axis, spokes[one], spokes[two]) for group in groups for one, two in zip(group, group[1:]))
+    exact = not any(_turn(axis, spokes[one], spokes[two]) for group in groups for one, two in itertools.pairwise(group))
     first = kinds.index(True)
     return turn[first:] + turn[:first], exact
 
@@ -156,7 +157,7 @@ def _group_by_angle(axis, spokes, reach, edge):
 
     ordered = sorted(range(len(spokes)), key=cmp_to_key(compare))
     groups = [[ordered[0]]]
-    for one, two in zip(ordered, ordered[1:]):
+    for one, two in itertools.pairwise(ordered):
         if not coincide(one, two):
             groups.append([])
         groups[-1].append(two)

@@ -59,7 +59,7 @@ def _split_all(points, faces, twins, saddles, corner, m, n_copies):
             if begin < 0:
                 break
             origin[count] = saddles[s]
-            h = _split(faces, twins, link, spokes, begin, end, n + count, m + 2 * count, changed)
+            h = _split(faces, twins, link, spokes, (begin, end), n + count, m + 2 * count, changed)
             count += 1
     return origin, np.array(changed)
 
@@ -122,12 +122,13 @@ def _zero_angle(points, vertex, low, high):
 
 
 @njit(cache=True)
-def _split(faces, twins, link, spokes, begin, end, copy, new, changed):
-    """Give the fan of a vertex from place `begin` to place `end` of its link to `copy`, a vertex just below it.
+def _split(faces, twins, link, spokes, wedge, copy, new, changed):
+    """Give the fan of a vertex from the first to the last place of its link in `wedge` to `copy`, a vertex just below.
 
     The two faces between them become the faces `new` and `new` + 1. Returns a
     half-edge that still leaves the vertex.
     """
+    begin, end = wedge
     vertex, degree = faces[spokes[end] // 3, spokes[end] % 3], len(link)
     place = begin
     while place != end:

@@ -55,6 +55,7 @@ class ExactContours:
 
     @cached_property
     def tilt(self):
+        """The infinitesimal tilt as a number small enough, a fraction."""
         return exact_tilt(self.mesh.points)
 
     def corners(self, contour):

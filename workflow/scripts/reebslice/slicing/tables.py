@@ -1,5 +1,7 @@
 """The tables of a sliced surface: levels, contours, pieces."""
 
+import itertools
+
 import numpy as np
 import pyarrow as pa
 
@@ -173,7 +175,7 @@ def block_regions(pieces, contours):
         owner = np.repeat(block, np.diff(bounding.offsets.to_numpy()))
         pairs = np.unique(owner * count + region[bounding.flatten().to_numpy()])
         members, cuts = (pairs % count).tolist(), np.searchsorted(pairs, count * np.arange(block.max() + 2)).tolist()
-        ends.append([members[a:b] for a, b in zip(cuts[:-1], cuts[1:])])
+        ends.append([members[a:b] for a, b in itertools.pairwise(cuts)])
     return ends
 
 

@@ -57,7 +57,7 @@ def check_form(facts, ledger):
             faults.append(f"Column {key} of table {name} does not count its rows from 0.")
     for name, column, target in REFERENCES:
         values = _flat(getattr(facts.columns, name)[column])
-        if len(values) and not (0 <= values.min() and values.max() < size[target]):
+        if len(values) and not (values.min() >= 0 and values.max() < size[target]):
             faults.append(f"Column {column} of table {name} names a row that table {target} does not have.")
     for name, column, words in WORDS:
         odd = set(getattr(facts.columns, name)[column]) - set(words)

@@ -4,6 +4,8 @@ Each takes the :class:`facts.Facts` known so far and a ledger to enter its findi
 what it recomputes it leaves in the facts for later checks.
 """
 
+import itertools
+
 import numpy as np
 import shapely
 
@@ -92,7 +94,7 @@ def check_edges(facts, ledger):
         word = "continuation" if first is None else operation[first]
         expected |= {(a, b): (first, word) for a in lower for b in upper}
     stated = list(zip(source.tolist(), target.tolist()))
-    ledger.enter("edges.method", sorted(set(t["method"])), ["exact"] if len(stated) else [])
+    ledger.enter("edges.method", sorted(set(t["method"])), ["exact"] if stated else [])
     ledger.enter("edges_once_each", len(set(stated)), len(stated))
     missing = sorted(set(expected) - set(stated))
     ledger.enter("links_without_an_edge", len(missing), 0, says=f"The first is {missing[0]}." if missing else "")
@@ -183,7 +185,7 @@ def _check_arc_similarity(facts, ledger, t):
     pairs = dict(zip(zip(edges["source"].tolist(), edges["target"].tolist()), edges["similarity"].tolist()))
     holds = []
     for graph, nodes, stated in zip(t["graph"], t["nodes"], t["similarity_min"]):
-        found = [pairs[p] for p in zip(nodes[:-1], nodes[1:]) if p in pairs] if graph == "solid" else []
+        found = [pairs[p] for p in itertools.pairwise(nodes) if p in pairs] if graph == "solid" else []
         holds.append(stated == min(found, default=None))
     ledger.rows("arcs.similarity_min", holds, "smallest similarity of its edges")
 
@@ -213,7 +215,7 @@ def _check_bounds(facts, ledger, t):
     whole = []
     for row, key in facts.arcs["surface"].items():
         steps = [(node[key[0]],) * 2, *(step[:2] for _, step in paths[int(t["arc"][row])]), (node[key[1]],) * 2]
-        whole.append(all(low[1] == high[0] for low, high in zip(steps[:-1], steps[1:])))
+        whole.append(all(low[1] == high[0] for low, high in itertools.pairwise(steps)))
     ledger.rows("arcs.surface.bounds_a_path", whole, "a path in the solid's graph between the arc's own two events")
 
 
@@ -227,7 +229,7 @@ def _walls_in_chains(facts, wall, walls):
     for block in np.flatnonzero(facts.chains).tolist():
         current = walls[int(np.flatnonzero(facts.block_above == block)[0])]
         handles = facts.handles_of_block[block]
-        for handle, following in zip(handles[:-1], handles[1:]):
+        for handle, following in itertools.pairwise(handles):
             ends = (facts.columns.handles[f"contours_{end}"][handle] for end in ("below", "above"))
             gone, come = (set(wall[contours].tolist()) for contours in ends)
             current = (current - gone) | come

@@ -92,6 +92,6 @@ def find_components(one, two, n):
         For a link to a node that is none.
     """
     for ends in (one, two):
-        if len(ends) and not (0 <= np.min(ends) and np.max(ends) < n):
+        if len(ends) and not (np.min(ends) >= 0 and np.max(ends) < n):
             raise ValueError("a link to what is not there")
     return _components(np.ascontiguousarray(one, np.int32), np.ascontiguousarray(two, np.int32), n)

@@ -5,6 +5,7 @@ than by walking upward, and each graph is compared as a multigraph, node by
 node and edge by edge, with ids and ends.
 """
 
+import itertools
 from typing import NamedTuple
 
 import numpy as np
@@ -98,7 +99,7 @@ def find_arcs(parts, level):
         key = parts.joints[part][-1], parts.joints[following][0], tuple(run.tolist())
         arcs[key] = arcs.get(key, 0.0) + float(measure)
     for part, joints in enumerate(parts.joints):
-        for source, target in zip(joints[:-1], joints[1:]):
+        for source, target in itertools.pairwise(joints):
             arcs[source, target, ()] = 2 * float(parts.measure[part]) / meeting[part]
     return arcs, np.flatnonzero(odd)
 
@@ -128,7 +129,7 @@ def find_augmented_edges(parts, operations):
             edges += [(f"n{a}", f"n{b}", "continuation") for a in lower for b in upper]
             continue
         edges += [(f"n{a}", f"h{joints[0]}", operations[joints[0]]) for a in lower]
-        edges += [(f"h{a}", f"h{b}", operations[b]) for a, b in zip(joints[:-1], joints[1:])]
+        edges += [(f"h{a}", f"h{b}", operations[b]) for a, b in itertools.pairwise(joints)]
         edges += [(f"h{joints[-1]}", f"n{b}", operations[joints[-1]]) for b in upper]
     return sorted((*sorted(edge[:2]), edge[2]) for edge in edges)
 

@@ -93,7 +93,7 @@ def _turn(x, y, z, a, b, c):
 @njit(cache=True)
 def _have_ties(height, order):
     """Whether two vertices have one height."""
-    for i in range(len(order) - 1):
+    for i in range(len(order) - 1):  # noqa: SIM110, numba knows no any() of a generator
         if height[order[i]] == height[order[i + 1]]:
             return True
     return False
