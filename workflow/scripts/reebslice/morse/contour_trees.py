@@ -169,14 +169,15 @@ def _merge(behind, upward):
         v = i if upward else n - 1 - i
         if behind[v, 0] < 0:
             continue
-        component = find(root, behind[v, 0])
-        children[v, 0], following[newest[component]] = newest[component], v
+        old = find(root, behind[v, 0])
+        children[v, 0], following[newest[old]] = newest[old], v
         if behind[v, 1] >= 0:
             other = find(root, behind[v, 1])
-            if other != component:
+            if other != old:
                 children[v, 1], following[newest[other]] = newest[other], v
-                root[other] = component
-        root[v], newest[component] = component, v
+                young, old = (max(old, other), min(old, other)) if upward else (min(old, other), max(old, other))
+                root[young] = old  # the older component is as a rule the larger one, so ways to the root stay short
+        root[v], newest[old] = old, v
     return MergeTree(following, children)
 
 

@@ -74,11 +74,7 @@ def extended_pairs(n_nodes, arcs):
         one or three arcs, as in a Reeb graph of simple critical points, each
         is in exactly one.
     """
-    arcs = np.ascontiguousarray(arcs, np.int32).reshape(-1, 2)
-    incident = incident_arcs(arcs, n_nodes)
-    ordinary, closed, root = _pair_components(arcs, incident, True)
-    relative, _, _ = _pair_components(arcs, incident, False)
-    return ExtendedPairs(ordinary, relative, _pair_loops(arcs, incident, closed), _pair_extremes(root))
+    return _extended_pairs(np.ascontiguousarray(arcs, np.int32).reshape(-1, 2), n_nodes)
 
 
 @njit(cache=True)
@@ -113,21 +109,23 @@ def incident_arcs(arcs, n):
 @njit(cache=True)
 def _pair_components(arcs, incident, upward):
     """Pairs (p, 2) by the elder rule, loops that each node closes (n,), and for each node one nearer the oldest."""
-    n = len(incident.start) - 1
-    pairs, found, closed = np.empty((n, 2), np.int32), 0, np.zeros(n, np.int64)
-    root, near, far = np.arange(n), 1 if upward else 0, 0 if upward else 1
+    start, member, n = incident.start, incident.member, len(incident.start) - 1
+    pairs, found, closed = np.empty((n, 2), np.int32), 0, np.zeros(n, np.int32)
+    root, near, far = np.arange(n).astype(np.int32), 1 if upward else 0, 0 if upward else 1
     for step in range(n):
-        node = step if upward else n - 1 - step
-        for arc in incident.member[incident.start[node] : incident.start[node + 1]]:
+        node = np.int32(step if upward else n - 1 - step)
+        oldest = node  # of the component of this node, which it represents
+        for place in range(start[node], start[node + 1]):
+            arc = member[place]
             if arcs[arc, near] != node:
                 continue
-            one, other = find(root, arcs[arc, far]), find(root, node)
-            if one == other:
+            other = find(root, arcs[arc, far])
+            if other == oldest:
                 closed[node] += 1
                 continue
-            low, high = min(one, other), max(one, other)
-            young, old = (high, low) if upward else (low, high)
-            root[young] = old  # the oldest node represents its component
+            low, high = min(oldest, other), max(oldest, other)
+            young, oldest = (high, low) if upward else (low, high)
+            root[young] = oldest
             if young != node:
                 pairs[found, far], pairs[found, near] = young, node
                 found += 1
@@ -174,3 +172,12 @@ def _pair_loops(arcs, incident, closed):
         for arc in member[start[node] : start[top + 1]]:  # as before, for the next top
             root[arc], hangs[arc] = arc, False
     return pairs
+
+
+@njit(cache=True)
+def _extended_pairs(arcs, n):
+    """The :class:`ExtendedPairs`, in one call."""
+    incident = incident_arcs(arcs, n)
+    ordinary, closed, root = _pair_components(arcs, incident, True)
+    relative, _, _ = _pair_components(arcs, incident, False)
+    return ExtendedPairs(ordinary, relative, _pair_loops(arcs, incident, closed), _pair_extremes(root))

@@ -13,6 +13,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from ..arrays.sorting import sort_stably
 from .contour_trees import choose_gates, find_gates, merge_components, prune_leaves
 from .loop_cuts import cut_loops, no_cuts
 from .persistence import extended_pairs
@@ -74,7 +75,8 @@ def surface_reeb_graph(mesh):
         up, down = _merge_trees(mesh.faces, gates, nodes, cuts)
     arcs = prune_leaves(up.following, down.following)
     arcs, gate = _join_cuts(arcs, choose_gates(arcs, down.children), cuts, len(nodes))
-    order = np.lexsort(arcs.T[::-1])
+    low, high = arcs.T.astype(np.int64)
+    order = sort_stably((high, len(nodes)), (low, len(nodes)))
     arcs, gate = arcs[order], gate[order]
     return ReebGraph(nodes, arcs, _find_partners(len(nodes), arcs), gates.out[nodes[arcs[:, 0]], gate])
 
