@@ -123,16 +123,16 @@ def _find_start(points, ids):
     """Find the corner, and the way +1 or -1 around, that give the least sequence of coordinates."""
     n, least, alone = len(ids), 0, True
     for i in range(1, n):
-        order = _compare(points, ids[i], ids[least])
+        order = compare(points, ids[i], ids[least])
         if order <= 0:
             least, alone = i, order < 0
     if alone:
-        order = _compare(points, ids[least + 1 if least + 1 < n else 0], ids[least - 1 if least > 0 else n - 1])
+        order = compare(points, ids[least + 1 if least + 1 < n else 0], ids[least - 1 if least > 0 else n - 1])
         if order != 0:
             return least, -order
     ahead, back = _find_least(points, ids, 1), _find_least(points, ids, -1)
     for k in range(n):
-        order = _compare(points, ids[(ahead + k) % n], ids[(back - k) % n])
+        order = compare(points, ids[(ahead + k) % n], ids[(back - k) % n])
         if order != 0:
             return (ahead, 1) if order < 0 else (back, -1)
     return ahead, 1
@@ -143,7 +143,7 @@ def _find_least(points, ids, step):
     """Find where the least rotation of a cyclic sequence begins, in linear time."""
     n, i, j, k = len(ids), 0, 1, 0
     while i < n and j < n and k < n:
-        order = _compare(points, ids[step * (i + k) % n], ids[step * (j + k) % n])
+        order = compare(points, ids[step * (i + k) % n], ids[step * (j + k) % n])
         if order == 0:
             k += 1
             continue
@@ -158,7 +158,7 @@ def _find_least(points, ids, step):
 
 
 @njit(cache=True)
-def _compare(points, a, b):
+def compare(points, a, b):
     """Compare points by x, then y, then z: -1, 0 or 1."""
     for axis in range(3):
         if points[a, axis] != points[b, axis]:

@@ -15,10 +15,9 @@ from ..errors import MeshFormatError
 from ..mesh.faults import COUNTED_FROM_0, find_fault
 from .flat_polygons import lay_flat
 from .mesh_file import MeshFile
+from .quads import FOLDED, STRAIGHT, cut_quad
 
 BENT = 1e-3  # of a polygon's size: corners farther from its plane are told
-FOLDED = 1e-6  # of a polygon's size squared: triangles may cover no more than this beyond the polygon's area
-STRAIGHT = 1e-9  # sine: a flatter corner is no ear for sure
 EASY, HARD, CROSSED = range(3)
 
 
@@ -124,6 +123,9 @@ def _cut_all(points, corners, sizes):
         if n == 3:
             for c in range(3):
                 faces[row, c] = corners[begin + c]
+        elif n == 4:
+            crossed, bends[k] = cut_quad(points, corners[begin : begin + 4], faces[row : row + 2])
+            states[k] = CROSSED if crossed else EASY
         else:
             flat = lay_flat(points, corners[begin : begin + n], order, places)
             bends[k] = flat.bend
@@ -134,35 +136,17 @@ def _cut_all(points, corners, sizes):
 
 @njit(cache=True)
 def _cut_one(order, places, flat, triangles):
-    """Cut a quad, a convex polygon or one that has no area."""
-    n, first = len(order), 0
+    """Cut a polygon that is convex or has no area as a fan."""
+    n = len(order)
     if flat.area == 0.0:
         if flat.spread > FOLDED * flat.reach:
-            return CROSSED
-    elif n == 4:
-        first = _choose_diagonal(places, flat)
-        if first < 0:
             return CROSSED
     elif not _is_convex(places, n):
         return HARD
     for t in range(n - 2):
-        b, c = (first + t + 1) % n, (first + t + 2) % n
-        if flat.turned:
-            b, c = c, b
-        triangles[t, 0], triangles[t, 1], triangles[t, 2] = order[first], order[b], order[c]
+        b, c = (t + 2, t + 1) if flat.turned else (t + 1, t + 2)
+        triangles[t, 0], triangles[t, 1], triangles[t, 2] = order[0], order[b], order[c]
     return EASY
-
-
-@njit(cache=True)
-def _choose_diagonal(places, flat):
-    """Choose the corner, 0 or 1, whose diagonal cuts a quad best; -1 if both fold."""
-    from_0 = min(_turn(places, 0, 1, 2), _turn(places, 2, 3, 0))
-    from_1 = min(_turn(places, 1, 2, 3), _turn(places, 3, 0, 1))
-    if max(from_0, from_1) < -FOLDED * flat.reach:
-        return -1
-    if min(from_0, from_1) > STRAIGHT * flat.area:
-        return 0 if _span(places, 0, 2) <= _span(places, 1, 3) else 1
-    return 0 if from_0 >= from_1 else 1
 
 
 @njit(cache=True)
