@@ -1,6 +1,6 @@
 """Draw the simplified solid graph of models at several feature sizes, side by side.
 
-    python benchmarks/draw_feature_sizes.py PICTURE.png MESH[@X,Y,Z]... [--sizes 0.2 0.1 ...] [--results FOLDER] [--keep]
+    python benchmarks/draw_feature_sizes.py PICTURE.png MESH[@X,Y,Z]... [--sizes 0.2 0.1 ...] [--results FOLDER][--keep]
 
 One row a model: the body, and the graph without what is smaller than each
 size (parts of the height range). X,Y,Z is the direction that points up, by

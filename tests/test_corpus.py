@@ -109,6 +109,11 @@ def test_a_mesh_is_another_when_a_file_that_it_names_is():
     assert len(set(stamps)) == len(set(keys)) == 3
 
 
+def test_the_key_of_the_inspection_covers_every_reader():
+    formats = {path for path in (SCRIPTS / "reebslice/formats").glob("*.py") if path.stem not in ("graphml", "wkb")}
+    assert formats <= set(find_sources(SCRIPTS / "inspect_mesh.py"))
+
+
 def test_a_mesh_is_another_when_its_ending_is():
     put("m/a.stl", "m/b.obj", "m/c.STL")
     assert digest_mesh("m/a.stl") == digest_mesh("m/c.STL") != digest_mesh("m/b.obj")

@@ -1,6 +1,7 @@
 """The public door: what `import reebslice` gives, what it checks, and where it works."""
 
 import ast
+import doctest
 import os
 import shutil
 import subprocess
@@ -172,3 +173,15 @@ def test_graphs_become_networkx_graphs_with_parallel_arcs():
     assert [graph.nodes[k]["height"] for k in graph] == surface.height.tolist()
     assert sorted(tuple(sorted(ends)) for ends in graph.edges()) == sorted(map(tuple, surface.arcs.tolist()))
     assert graph.number_of_edges() - graph.number_of_nodes() + 1 == 1
+
+
+@pytest.mark.parametrize(
+    "name", [name for name in reebslice._HOMES if callable(getattr(reebslice, name)) and name.islower()]
+)
+def test_every_exported_function_has_an_example_that_works(name):
+    function = getattr(reebslice, name)
+    (found,) = doctest.DocTestFinder(recurse=False).find(
+        function, name, globs=vars(sys.modules[function.__module__]).copy()
+    )
+    assert found.examples
+    assert doctest.DocTestRunner(optionflags=doctest.ELLIPSIS).run(found).failed == 0

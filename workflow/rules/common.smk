@@ -29,9 +29,7 @@ os.environ.setdefault("NUMBA_CACHE_DIR", str(compiled_code_folder(SCRIPTS / "ree
 
 try:
     SCHEMA = yaml.safe_load((WORKFLOW / "schemas" / "config.schema.yaml").read_text())
-    config = check_config(
-        restore_texts(config, workflow.config_settings.config_args, SCHEMA), SCHEMA
-    )
+    config = check_config(restore_texts(config, workflow.config_settings.config_args, SCHEMA), SCHEMA)
 except ConfigError as error:
     raise WorkflowError(str(error)) from None
 
@@ -43,10 +41,7 @@ except CorpusError as error:
     raise WorkflowError(str(error)) from None
 
 BATCHES = form_batches(MODELS, **config["batches"])
-CODE = {
-    stage: digest_code(SCRIPTS / f"{stage}.py")
-    for stage in (*STAGES, "collect_models")
-}
+CODE = {stage: digest_code(SCRIPTS / f"{stage}.py") for stage in (*STAGES, "collect_models")}
 
 
 wildcard_constraints:

@@ -10,9 +10,6 @@ rule compare_links:
         status="results/status/inspect_mesh/{batch}.parquet",
     output:
         status="results/status/compare_links/{batch}.parquet",
-    params:
-        options=config["compare"],
-        code=digest_code(SCRIPTS / "compare_links.py"),
     log:
         "results/logs/compare_links/{batch}.log",
     benchmark:
@@ -20,6 +17,9 @@ rule compare_links:
     resources:
         mem_mb=memory_of,
         runtime=runtime_of,
+    params:
+        options=config["compare"],
+        code=digest_code(SCRIPTS / "compare_links.py"),
     script:
         "../scripts/compare_links.py"
 
@@ -31,13 +31,13 @@ rule compare_methods:
     output:
         table="results/corpus/comparison.parquet",
         figure="results/corpus/comparison.png",
-    params:
-        code=digest_code(SCRIPTS / "compare_methods.py"),
     log:
         "results/logs/compare_methods.log",
     benchmark:
         "results/benchmarks/compare_methods.tsv"
     resources:
         mem_mb=1000,
+    params:
+        code=digest_code(SCRIPTS / "compare_methods.py"),
     script:
         "../scripts/compare_methods.py"

@@ -7,13 +7,13 @@ rule collect_models:
         status=last_status_tables(),
     output:
         table="results/corpus/models.parquet",
-    params:
-        code=CODE["collect_models"],
     log:
         "results/logs/collect_models.log",
     benchmark:
         "results/benchmarks/collect_models.tsv"
     resources:
         mem_mb=1000,
+    params:
+        code=CODE["collect_models"],
     script:
         "../scripts/collect_models.py"

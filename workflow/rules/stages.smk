@@ -13,12 +13,6 @@ rule inspect_mesh:
         meshes=inputs_of,
     output:
         status="results/status/inspect_mesh/{batch}.parquet",
-    params:
-        models=models_of,
-        paths=paths_of,
-        stamp=stamp_of,
-        options=config["inspect"],
-        code=CODE["inspect_mesh"],
     log:
         "results/logs/inspect_mesh/{batch}.log",
     benchmark:
@@ -27,6 +21,12 @@ rule inspect_mesh:
     resources:
         mem_mb=memory_of,
         runtime=runtime_of,
+    params:
+        models=models_of,
+        paths=paths_of,
+        stamp=stamp_of,
+        options=config["inspect"],
+        code=CODE["inspect_mesh"],
     script:
         "../scripts/inspect_mesh.py"
 
@@ -38,9 +38,6 @@ rule select_tilt:
         status="results/status/inspect_mesh/{batch}.parquet",
     output:
         status="results/status/select_tilt/{batch}.parquet",
-    params:
-        options=config["tilt"],
-        code=CODE["select_tilt"],
     log:
         "results/logs/select_tilt/{batch}.log",
     benchmark:
@@ -49,6 +46,9 @@ rule select_tilt:
     resources:
         mem_mb=memory_of,
         runtime=runtime_of,
+    params:
+        options=config["tilt"],
+        code=CODE["select_tilt"],
     script:
         "../scripts/select_tilt.py"
 
@@ -60,9 +60,6 @@ rule slice_mesh:
         status="results/status/select_tilt/{batch}.parquet",
     output:
         status="results/status/slice_mesh/{batch}.parquet",
-    params:
-        options=config["levels"],
-        code=CODE["slice_mesh"],
     log:
         "results/logs/slice_mesh/{batch}.log",
     benchmark:
@@ -71,6 +68,9 @@ rule slice_mesh:
     resources:
         mem_mb=memory_of,
         runtime=runtime_of,
+    params:
+        options=config["levels"],
+        code=CODE["slice_mesh"],
     script:
         "../scripts/slice_mesh.py"
 
@@ -83,9 +83,6 @@ rule classify_handles:
         status="results/status/slice_mesh/{batch}.parquet",
     output:
         status="results/status/classify_handles/{batch}.parquet",
-    params:
-        options={},
-        code=CODE["classify_handles"],
     log:
         "results/logs/classify_handles/{batch}.log",
     benchmark:
@@ -94,6 +91,9 @@ rule classify_handles:
     resources:
         mem_mb=memory_of,
         runtime=runtime_of,
+    params:
+        options={},
+        code=CODE["classify_handles"],
     script:
         "../scripts/classify_handles.py"
 
@@ -105,9 +105,6 @@ rule sample_nodes:
         status="results/status/classify_handles/{batch}.parquet",
     output:
         status="results/status/sample_nodes/{batch}.parquet",
-    params:
-        options=config["nodes"],
-        code=CODE["sample_nodes"],
     log:
         "results/logs/sample_nodes/{batch}.log",
     benchmark:
@@ -116,6 +113,9 @@ rule sample_nodes:
     resources:
         mem_mb=memory_of,
         runtime=runtime_of,
+    params:
+        options=config["nodes"],
+        code=CODE["sample_nodes"],
     script:
         "../scripts/sample_nodes.py"
 
@@ -127,9 +127,6 @@ rule synthesize_edges:
         status="results/status/sample_nodes/{batch}.parquet",
     output:
         status="results/status/synthesize_edges/{batch}.parquet",
-    params:
-        options=config["edges"] | {"levels": config["levels"]},
-        code=CODE["synthesize_edges"],
     log:
         "results/logs/synthesize_edges/{batch}.log",
     benchmark:
@@ -138,6 +135,9 @@ rule synthesize_edges:
     resources:
         mem_mb=memory_of,
         runtime=runtime_of,
+    params:
+        options=config["edges"] | {"levels": config["levels"]},
+        code=CODE["synthesize_edges"],
     script:
         "../scripts/synthesize_edges.py"
 
@@ -149,9 +149,6 @@ rule certify:
         status="results/status/synthesize_edges/{batch}.parquet",
     output:
         status="results/status/certify/{batch}.parquet",
-    params:
-        options=config["levels"],
-        code=CODE["certify"],
     log:
         "results/logs/certify/{batch}.log",
     benchmark:
@@ -160,6 +157,9 @@ rule certify:
     resources:
         mem_mb=memory_of,
         runtime=runtime_of,
+    params:
+        options=config["levels"],
+        code=CODE["certify"],
     script:
         "../scripts/certify.py"
 
@@ -170,9 +170,6 @@ rule draw:
         status="results/status/certify/{batch}.parquet",
     output:
         status="results/status/draw/{batch}.parquet",
-    params:
-        options=config["draw"],
-        code=CODE["draw"],
     log:
         "results/logs/draw/{batch}.log",
     benchmark:
@@ -181,5 +178,8 @@ rule draw:
     resources:
         mem_mb=memory_of,
         runtime=runtime_of,
+    params:
+        options=config["draw"],
+        code=CODE["draw"],
     script:
         "../scripts/draw.py"

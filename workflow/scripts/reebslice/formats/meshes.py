@@ -1,35 +1,22 @@
 """Read mesh files of any supported format, each by the module that is named for it."""
 
-from importlib import import_module
+from os import PathLike
 from pathlib import Path
 
 import numpy as np
 
 from ..errors import MeshFormatError
 from ..mesh.faults import find_fault
+from .mesh_file import MeshFile
 from .number_lines import decode
 
-__all__ = ["READERS", "SUFFIXES", "read_mesh"]
-
-# Ending: module of this folder, its function. Imported when needed: some take a while.
-READERS = {
-    ".stl": ("stl", "read_stl"),
-    ".obj": ("obj", "read_obj"),
-    ".ply": ("ply", "read_ply"),
-    ".off": ("off", "read_off"),
-    ".glb": ("gltf", "read_gltf"),
-    ".gltf": ("gltf", "read_gltf"),
-    ".3mf": ("threemf", "read_3mf"),
-    ".step": ("step", "read_step"),
-    ".stp": ("step", "read_step"),
-}
-SUFFIXES = tuple(READERS)
-CHECKED = ("stl", "obj", "ply", "off")  # modules that name a fault by its line or facet themselves
+SUFFIXES = (".stl", ".obj", ".ply", ".off", ".glb", ".gltf", ".3mf", ".step", ".stp")
+CHECKED = (".stl", ".obj", ".ply", ".off")  # their readers name a fault by its line or facet themselves
 POINTER = b"version https://git-lfs"
 
 
-def read_mesh(path):
-    """Read the mesh of a file.
+def read_mesh(path: str | PathLike[str]) -> MeshFile:
+    r"""Read the mesh of a file.
 
     Parameters
     ----------
@@ -49,29 +36,59 @@ def read_mesh(path):
     MeshFormatError
         The ending is none of `SUFFIXES`, or the file is empty, damaged, holds
         no faces, or something that is not read.
+    ImportError
+        The format takes a package that is not installed.
+
+    Examples
+    --------
+    >>> from pathlib import Path
+    >>> from tempfile import TemporaryDirectory
+    >>> with TemporaryDirectory() as folder:
+    ...     path = Path(folder) / "square.obj"
+    ...     _ = path.write_text("v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 3 4\n")
+    ...     file = read_mesh(path)
+    >>> len(file.points), len(file.faces), file.unit, file.notes
+    (4, 2, None, ())
     """
     path = Path(path)
-    reader = READERS.get(path.suffix.lower())
-    if reader is None:
+    ending = path.suffix.lower()
+    if ending not in SUFFIXES:
         raise MeshFormatError(
             f"Files ending in {path.suffix or 'nothing'} are not supported; convert the mesh to"
             f" one of {', '.join(SUFFIXES)}."
         )
     _check_content(path)
-    module, function = reader
     try:
-        mesh = getattr(import_module(f".{module}", __package__), function)(path)
+        mesh = _find_reader(ending)(path)
     except (MeshFormatError, ImportError):
         raise
     except Exception as error:  # a reader may stumble over damage in any way it likes
         told = f"{type(error).__name__}: {error}".splitlines()[0]
-        raise MeshFormatError(
-            f"The file is damaged or not really {path.suffix.lower()} ({told}); export the mesh again."
-        ) from error
+        raise MeshFormatError(f"The file is damaged or not really {ending} ({told}); export the mesh again.") from error
     points = np.asarray(mesh.points, np.float64).reshape(-1, 3)
-    if module not in CHECKED and (fault := find_fault(points, mesh.faces)):
+    if ending not in CHECKED and (fault := find_fault(points, mesh.faces)):
         raise MeshFormatError(fault)
     return mesh._replace(points=points, faces=mesh.faces.astype(np.int32, copy=False))
+
+
+def _find_reader(ending):
+    """Import the reader of a format: one of them, as some take a while to load."""
+    match ending:
+        case ".stl":
+            from .stl import read_stl as reader
+        case ".obj":
+            from .obj import read_obj as reader
+        case ".ply":
+            from .ply import read_ply as reader
+        case ".off":
+            from .off import read_off as reader
+        case ".glb" | ".gltf":
+            from .gltf import read_gltf as reader
+        case ".3mf":
+            from .threemf import read_3mf as reader
+        case _:
+            from .step import read_step as reader
+    return reader
 
 
 def _check_content(path):

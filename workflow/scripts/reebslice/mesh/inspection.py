@@ -7,7 +7,9 @@ with a record of what was found and repaired, or the reason why there is none.
 from dataclasses import asdict
 
 import numpy as np
+import pyarrow as pa
 from numba import njit
+from numpy.typing import ArrayLike
 
 from ..errors import UnionError
 from ..table_checks import build_table
@@ -24,7 +26,9 @@ OF_THE_FILE = (
 DEFAULTS = {"repair": REPAIRS, "merge_tolerance": 1e-6, "overlaps": "keep"}
 
 
-def inspect_surface(points, faces, options=None):
+def inspect_surface(
+    points: ArrayLike, faces: ArrayLike, options: dict | None = None
+) -> tuple[dict[str, pa.Table] | None, dict]:
     """Clean a mesh and tell whether it bounds a solid.
 
     Parameters

@@ -16,6 +16,7 @@ import numpy as np
 from ..arrays.sorting import sort_stably
 from .contour_trees import choose_gates, find_gates, merge_components, prune_leaves
 from .loop_cuts import cut_loops, no_cuts
+from .ordered_mesh import HeightMesh
 from .persistence import extended_pairs
 
 
@@ -42,7 +43,7 @@ class ReebGraph(NamedTuple):
     gates: np.ndarray
 
 
-def surface_reeb_graph(mesh):
+def surface_reeb_graph(mesh: HeightMesh) -> ReebGraph:
     """Build the Reeb graph of the height on a surface.
 
     Parameters
@@ -64,6 +65,16 @@ def surface_reeb_graph(mesh):
 
     J. Tierny, A. Gyulassy, E. Simon and V. Pascucci, Loop surgery for
     volumetric meshes, IEEE TVCG 15 (2009), doi:10.1109/TVCG.2009.163
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from reebslice import height_mesh
+    >>> points = np.array([[0, 0, 0], [1, 0, 0.1], [0, 1, 0.2], [0, 0, 1]])
+    >>> faces = np.array([[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]])
+    >>> graph = surface_reeb_graph(height_mesh(points, faces))
+    >>> graph.nodes.tolist(), graph.arcs.tolist()
+    ([0, 3], [[0, 1]])
     """
     gates = find_gates(mesh.faces, mesh.twins, len(mesh.points))
     nodes = np.flatnonzero(gates.rises != 1).astype(np.int32)

@@ -68,7 +68,7 @@ def sampling_rule(distance, feature_size):
     return float(distance), float(2 * distance if feature_size is None else feature_size)
 
 
-def uniform_heights(low, high, distance):
+def uniform_heights(low: float, high: float, distance: float) -> np.ndarray:
     """Place equispaced levels, half a spacing inside both ends.
 
     Parameters
@@ -90,6 +90,11 @@ def uniform_heights(low, high, distance):
         There would be more than MOST_LEVELS levels; no memory is taken before.
     ReebsliceError
         The distance is no positive number.
+
+    Examples
+    --------
+    >>> uniform_heights(0.0, 1.0, 0.3).tolist()
+    [0.125, 0.375, 0.625, 0.875]
     """
     if not distance > 0:
         raise ReebsliceError(f"The distance between levels is {distance}: it must be a positive number of mesh units.")

@@ -4,9 +4,10 @@ import numpy as np
 
 from ..arrays.grouping import group_of_members
 from ..errors import ReebsliceError
+from ..morse.ordered_mesh import HeightMesh
 from ..morse.reeb_graph import critical_persistence, surface_reeb_graph
 from .levels import Levels, cut_between, make_levels, pierce, sampling_rule, uniform_heights
-from .slices import cut_along_arcs, cut_surface
+from .slices import Slices, cut_along_arcs, cut_surface
 
 
 def feature_scale(height_range, distance, feature_size, units, **_):
@@ -30,7 +31,13 @@ def feature_scale(height_range, distance, feature_size, units, **_):
     return distance * scale, feature_size * scale
 
 
-def slice_surface(mesh, body_of_vertex, distance, refine="feature", feature_size=None):
+def slice_surface(
+    mesh: HeightMesh,
+    body_of_vertex: np.ndarray,
+    distance: float,
+    refine: str = "feature",
+    feature_size: float | None = None,
+) -> tuple[Slices, np.ndarray]:
     """Cut a surface at equispaced levels, and at further ones where these leave events together.
 
     Each pass puts the fewest levels that separate the critical points in
@@ -65,6 +72,16 @@ def slice_surface(mesh, body_of_vertex, distance, refine="feature", feature_size
         Levels or contours would not fit into memory; no memory is taken for them before.
     ReebsliceError
         The distance is no positive number, or `refine` is none of the three words.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from reebslice import height_mesh
+    >>> points = np.array([[0, 0, 0], [1, 0, 0.1], [0, 1, 0.2], [0, 0, 1]])
+    >>> faces = np.array([[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]])
+    >>> slices, refined = slice_surface(height_mesh(points, faces), np.zeros(4, np.int32), 0.25)
+    >>> slices.levels.height.tolist(), refined.tolist(), int(slices.n_blocks)
+    ([0.125, 0.375, 0.625, 0.875], [False, False, False, False], 5)
     """
     if refine not in ("feature", "exact", "none"):
         raise ReebsliceError(f"refine is {refine!r}: it must be 'feature', 'exact' or 'none'.")

@@ -9,10 +9,13 @@ on the mesh. `cut_along_arcs` visits only what the levels cross, and measures
 nothing: for few levels on a large mesh, as the solid's Reeb graph needs them.
 """
 
+from collections.abc import Iterator
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import ArrayLike
 
+from ..morse.ordered_mesh import HeightMesh
 from ..morse.reeb_graph import surface_reeb_graph
 from .blocks import find_blocks, host_unseen_voids
 from .contours import Contours, trace_blocks, trace_contours, trace_crossings
@@ -56,7 +59,9 @@ class Slices(NamedTuple):
     surfaces: PieceSurfaces | None
 
 
-def nested_contours(mesh, heights, body_of_vertex=None):
+def nested_contours(
+    mesh: HeightMesh, heights: ArrayLike, body_of_vertex: np.ndarray | None = None
+) -> tuple[Contours, Regions]:
     """Cut a surface at heights, and tell which contours lie inside which.
 
     Parameters
@@ -79,12 +84,24 @@ def nested_contours(mesh, heights, body_of_vertex=None):
     ------
     TooManyCrossingsError
         The contours would not fit into memory; :func:`nested_blocks` gives them in parts.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from reebslice import height_mesh
+    >>> points = np.array([[0, 0, 0], [1, 0, 0.1], [0, 1, 0.2], [0, 0, 1]])
+    >>> faces = np.array([[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]])
+    >>> contours, regions = nested_contours(height_mesh(points, faces), [0.05, 0.5])
+    >>> contours.level.tolist(), regions.area.round(4).tolist()
+    ([0, 1], [0.0583, 0.1736])
     """
     levels = make_levels(mesh, heights)
     return _nest(mesh, levels, trace_contours(mesh, levels), body_of_vertex)
 
 
-def nested_blocks(mesh, heights, most_crossings, body_of_vertex=None):
+def nested_blocks(
+    mesh: HeightMesh, heights: ArrayLike, most_crossings: int, body_of_vertex: np.ndarray | None = None
+) -> Iterator[tuple[Contours, Regions]]:
     """Do as :func:`nested_contours`, a few consecutive levels at a time, where all would not fit into memory.
 
     Parameters
@@ -100,6 +117,16 @@ def nested_blocks(mesh, heights, most_crossings, body_of_vertex=None):
         Those of :func:`.contours.trace_blocks`.
     regions : Regions
         Contours and regions are numbered from 0 in each block; in the order of blocks they are those of all levels.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from reebslice import height_mesh
+    >>> points = np.array([[0, 0, 0], [1, 0, 0.1], [0, 1, 0.2], [0, 0, 1]])
+    >>> faces = np.array([[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]])
+    >>> blocks = nested_blocks(height_mesh(points, faces), [0.05, 0.5], most_crossings=4)
+    >>> [len(regions.level) for contours, regions in blocks]
+    [1, 1]
     """
     levels = make_levels(mesh, heights)
     for contours in trace_blocks(mesh, levels, most_crossings):

@@ -15,7 +15,9 @@ American Mathematical Monthly 77 (1970)
 
 import numpy as np
 from numba import njit
+from numpy.typing import ArrayLike
 
+from ..mesh.arguments import take_mesh
 from ..morse.critical_points import count_critical_points
 from ..morse.ordered_mesh import tilt_points
 
@@ -33,7 +35,7 @@ MARGIN = 1000.0
 UNIT_ROUNDOFF = 2.0**-53
 
 
-def select_tilt(points, faces, mode="auto", direction=None):
+def select_tilt(points: ArrayLike, faces: ArrayLike, mode: str = "auto", direction: ArrayLike | None = None) -> dict:
     """Choose the direction of height of a surface.
 
     Parameters
@@ -59,8 +61,22 @@ def select_tilt(points, faces, mode="auto", direction=None):
         of :func:`rotation_to_vertical`; `mode`; and `candidates`, the figures
         of all directions that were tried, in this order. It does not depend on
         the order of vertices and faces unless neighbours coincide.
+
+    Raises
+    ------
+    NotASolidError
+        The arrays cannot be used, or the faces point inward.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> points = np.array([[0, 0, 0], [1, 0, 0.1], [0, 1, 0.2], [0, 0, 1]])
+    >>> faces = np.array([[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]])
+    >>> tilt = select_tilt(points, faces)
+    >>> tilt["direction"], tilt["morse"], round(tilt["margin"], 6)
+    ([0.0, 0.0, 1.0], 'proven', 0.1)
     """
-    points, faces = np.ascontiguousarray(points, float), np.ascontiguousarray(faces, np.int32)
+    points, faces = take_mesh(points, faces)
     if mode == "auto":
         tried = _try_candidates(points, faces)
     else:
