@@ -147,6 +147,13 @@ def test_numbers_decide_only_where_positions_do_not():
     ]
     twin = inspect_surface(*join([*parts, parts[0]]))[1]
     assert (twin["components"], twin["duplicate_faces_removed"]) == (2, 12)
+    cubes = [box(np.array(low), np.array(low) + 1) for low in np.ndindex(3, 3, 3)]
+    mixed = [*cubes[:13], *map(turn_over, cubes[13:])]  # all around the one in the middle others face inward too
+    found = inspect_surface(*join(mixed))[1]
+    assert (found["components"], found["volume"]) == (27, pytest.approx(27))
+    points, faces = join(mixed)
+    told = inspect_surface(points[faces].reshape(-1, 3), np.arange(3 * len(faces)).reshape(-1, 3))[1]["reason"]
+    assert "wound the same way" in told and told.endswith("turn over those that face inward.")
     strict = inspect_surface(*join(STEPS), {"repair": []})[1]
     assert strict["components"] == 2 and "as the file numbers" in strict["repairs"][0]
 

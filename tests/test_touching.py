@@ -321,8 +321,21 @@ def test_flat_means_exactly_flat():
 
 def test_parts_that_overlap_along_a_mesh_edge_are_rejected():
     found = inspected(soup(unite(box(), box(high=(1, 1, 2)))))
-    assert "they cannot be taken apart: at the one from (0, 0, 0)" in found["reason"]
-    assert "parts overlap there" in found["reason"]
+    assert "2 faces lie on others there that are wound the same way, so that parts overlap" in found["reason"]
+    wedges = unite(wedge(0, 90), wedge(45, 135))
+    reason = inspected(soup(wedges))["reason"]
+    assert "they cannot be taken apart: at the one from (0, 0, 0) to (0, 0, 1) parts overlap there" in reason
+    assert reason.endswith("In a mesh editor, unite those parts, or move them apart.")
+    found = inspected(wedges)
+    assert found["components"] == 2 and "along 1 mesh edges, the first from (0, 0, 0)" in found["repairs"][0]
+
+
+def wedge(*degrees):
+    """A prism over a triangle with one corner on the z axis, between two directions."""
+    ends = [[np.cos(np.deg2rad(one)), np.sin(np.deg2rad(one))] for one in degrees]
+    points = [[x, y, z] for z in (0, 1) for x, y in ([0, 0], *ends)]
+    faces = [[0, 2, 1], [3, 4, 5], [0, 1, 4], [0, 4, 3], [1, 2, 5], [1, 5, 4], [2, 0, 3], [2, 3, 5]]
+    return Solid(np.array(points, float), np.array(faces))
 
 
 def test_taking_apart_needs_leave_and_winding():

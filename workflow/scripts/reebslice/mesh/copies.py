@@ -153,23 +153,28 @@ def find_covered(faces, component, n_components):
         Every face has its corners in common with one of another component.
     again : (c,) bool
         The same faces, with the same windings, are another component with a lower number.
+    mirrored : (c,) bool
+        The same faces, with the opposite windings, are another component.
     """
     run = find_runs(faces)
-    covered, again = np.zeros(n_components, bool), np.zeros(n_components, bool)
+    covered, again, mirrored = np.zeros((3, n_components), bool)
     if not len(run) or run[-1] == len(run) - 1:
-        return covered, again
+        return covered, again, mirrored
     lowest, highest = np.full(run[-1] + 1, n_components), np.full(run[-1] + 1, -1)
     np.minimum.at(lowest, run, component)
     np.maximum.at(highest, run, component)
     bare = np.unique(component[(lowest == highest)[run]])
     covered[:] = True
     covered[bare] = False
-    met = set()
+    order = np.argsort(component, kind="stable")
+    ends = np.searchsorted(component[order], np.arange(n_components + 1))
+    first = {}
     for one in np.flatnonzero(covered):
-        key = faces[component == one].tobytes()
-        again[one] = key in met
-        met.add(key)
-    return covered, again
+        part = faces[order[ends[one] : ends[one + 1]]]
+        again[one] = first.setdefault(part.tobytes(), one) != one
+        if (other := first.get(part[:, [0, 2, 1]].tobytes(), one)) != one:  # canonical too: order minds no winding
+            mirrored[[one, other]] = True
+    return covered, again, mirrored
 
 
 def find_backs(enclosing, signs, covered):

@@ -54,6 +54,14 @@ def _find_crowding(points, found):
     crowded = len(closing.find_crowded(closing.glue(single, len(points))))
     if found.entangled:
         yield f"{fault}; they cannot be taken apart: {found.entangled}", found.cure
+    elif crowded and not np.any(np.diff(exact.starts) % 2):
+        alike = len(copies.drop_repeats(exact.faces)[1])
+        yield (
+            f"{fault}; {alike} faces lie on others there that are wound the same way,"
+            " so that parts overlap or face inward",
+            "unite the parts that overlap, or turn over those that face inward",
+        )
+        return
     elif crowded:
         yield fault, "delete the inner walls or stray faces that meet the surface there"
     else:

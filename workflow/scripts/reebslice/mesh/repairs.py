@@ -135,10 +135,14 @@ def _drop_backs(points, found):
         return found
     faces, walk = found.glued.faces, _walk(found.glued)
     n_shells = walk.component.max() + 1
-    covered, again = copies.find_covered(faces, walk.component, n_shells)
+    covered, again, mirrored = copies.find_covered(faces, walk.component, n_shells)
     if not covered.any() or walk.conflict >= 0:
         return found
+    if found.own_numbering:  # bodies that overlap may hide each other's faces without being the back of anything
+        covered = mirrored | again
     signs = np.sign(_measure(points, faces, walk)[1])
+    if not (again.any() or np.any(covered & (signs < 0))):  # no sheet is there from both sides
+        return found
     enclosing = shells.find_enclosing(points, faces, walk.component, n_shells)
     enclosing = [[one for one in around if not again[one]] for around in enclosing]
     back = copies.find_backs(enclosing, signs, covered & ~again)
