@@ -12,9 +12,9 @@ from reebslice.arrays.grouping import split_into_blocks
 from reebslice.mesh.half_edges import find_twins
 from reebslice.mesh.orders import canonical_faces
 from reebslice.morse.height_mesh import order_by_height
+from reebslice.morse.reeb_graph import surface_reeb_graph
 from reebslice.morse.unfolding import unfold_saddles
 from reebslice.slicing import tables
-from reebslice.morse.reeb_graph import surface_reeb_graph
 from reebslice.slicing.contours import measure_contours, trace_blocks, trace_contours, trace_crossings
 from reebslice.slicing.graph_slices import contours_of_arcs
 from reebslice.slicing.levels import make_levels, uniform_heights, vertex_slabs

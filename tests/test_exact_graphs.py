@@ -9,8 +9,8 @@ from hypothesis import strategies as st
 
 import reference
 import solids
-from reebslice.graphs.exact import exact_graphs
 from reebslice.arrays.grouping import list_groups
+from reebslice.graphs.exact import exact_graphs
 from reebslice.mesh.half_edges import find_twins
 from reebslice.mesh.orders import canonical_faces
 from reebslice.morse.critical_points import vertex_indices
