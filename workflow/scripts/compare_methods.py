@@ -8,7 +8,7 @@ from corpus.layout import MODELS_FOLDER, read_status
 from corpus.process import print_into
 from corpus.storage import read_table, write_table
 from reebslice.drawing.charts import draw_comparison
-from reebslice.links.comparison import rates
+from reebslice.links.comparison import EVERY, rates
 
 
 def main(tables):
@@ -44,5 +44,6 @@ if "snakemake" in globals():
     table = main(list(snakemake.input))
     write_table(snakemake.output.table, "comparison", table)
     draw_comparison(table).savefig(snakemake.output.figure)
-    every = table.to_pandas().query("kind == @EVERY")
+    frame = table.to_pandas()
+    every = frame[frame["kind"] == EVERY]
     print(rates(every, ("half", "tilt", "n_levels", "method")).round(3).to_string())
