@@ -46,7 +46,10 @@ def find_enclosing(points, faces, shell, n_shells):
         boxed[outer] = False
         inner = np.flatnonzero(boxed)
         if len(inner):
-            votes = _count_votes(points, faces[members[outer]], [centres[s] for s in inner])
+            votes = _count_votes(points, faces[members[outer]], [centres[s][:, :2] for s in inner])
+            left = np.flatnonzero(votes == 0)
+            if len(left):
+                votes[left] = _count_votes(points, faces[members[outer]], [centres[s][:, 2:] for s in inner[left]])
             for one in inner[votes > 0]:
                 enclosing[one].append(outer)
     return enclosing
@@ -65,7 +68,7 @@ def _find_boxes(points, faces, shell, n_shells):
 
 
 def _sample_centres(points, faces, member):
-    """Points a little off the centres of some of the faces `member`, (k, 2, 3): on either side of each."""
+    """Of some of the faces `member` a point a little off its centre on either side, and the centre: (k, 3, 3)."""
     chosen = member[np.unique(np.linspace(0, len(member) - 1, SAMPLES).astype(np.int64))]
     a, b, c = (points[faces[chosen, k]] for k in range(3))
     normal = np.cross(b - a, c - a)
@@ -75,20 +78,23 @@ def _sample_centres(points, faces, member):
         / np.maximum(np.linalg.norm(normal, axis=1), 1e-300)[:, None]
     )
     centre = a + ((b - a) + (c - a)) / 3
-    return np.stack([centre - normal, centre + normal], axis=1)
+    return np.stack([centre - normal, centre + normal, centre], axis=1)
 
 
 def _count_votes(points, faces, groups):
-    """Return, for each group of pairs of points, the pairs inside minus those outside."""
-    queries = np.concatenate(groups).reshape(-1, 3)
-    group = np.repeat(np.arange(len(groups)), [2 * len(one) for one in groups])
+    """Return, for each group of points (k, w, 3), the rows of w that are all inside minus those all outside."""
+    queries = np.concatenate(groups)
+    group = np.repeat(np.arange(len(groups)), [len(one) for one in groups])
+    rows, queries = queries.shape[:2], queries.reshape(-1, 3)
     order = np.argsort(queries[:, 0], kind="stable")
     margin = 1e-14 * (np.abs(points[faces]).max() + np.ptp(points[faces], axis=(0, 1)).max())
     inside, on = cast_rays(points, faces, queries[order], margin)
     vote = np.empty(len(order), np.int64)
     vote[order] = np.where(on, 0, np.where(inside, 1, -1))
-    agreed = np.where(vote[::2] == vote[1::2], vote[::2], 0)
-    return np.bincount(group[::2], agreed, len(groups))
+    vote = vote.reshape(rows)
+    return np.bincount(group, (vote > 0).all(axis=1), len(groups)) - np.bincount(
+        group, (vote < 0).all(axis=1), len(groups)
+    )
 
 
 @njit(cache=True)

@@ -19,7 +19,8 @@ def find_around(points, faces, shell, n_shells):
     From each start go two rays, to either side of it. It says something of a
     shell if both rays agree and that is not on it. A shell is around another if
     its box is and all starts that say something say so; it may be around it if
-    they differ or none does.
+    they differ or no middle of a face says anything: of a corner that touches
+    it, both rays may miss it.
 
     Parameters
     ----------
@@ -42,7 +43,7 @@ def find_around(points, faces, shell, n_shells):
     pairs = _find_boxed(points, owner, n_shells)
     if not len(pairs):
         return around, unsure
-    starts, source, near = _choose_starts(points, faces, owner, shell, np.unique(pairs[:, 1]))
+    starts, source, near, middle = _choose_starts(points, faces, owner, shell, np.unique(pairs[:, 1]))
     outer = np.isin(shell, pairs[:, 0])
     aside = near[:, None] * OFF
     ray, face, ahead = meet_faces(points[faces[outer]], np.concatenate([starts - aside, starts + aside]))
@@ -53,12 +54,18 @@ def find_around(points, faces, shell, n_shells):
     start, other = np.divmod(key, n_shells)
     pair, place = np.unique(other * n_shells + source[start], return_inverse=True)
     silent = touched | (odd[0] != odd[1])
-    inside, none = (np.bincount(place, says, len(pair)).astype(int) for says in (~silent & odd[0], silent))
-    heard, boxed = np.bincount(source, minlength=n_shells)[pair % n_shells] - none, np.isin(pair, pairs @ [n_shells, 1])
-    for key, yes, votes in zip(pair[boxed].tolist(), inside[boxed].tolist(), heard[boxed].tolist()):
+    boxed = np.isin(pair, pairs @ [n_shells, 1])
+    yes, mute, mute_middles = (
+        np.bincount(place, says, len(pair)).astype(int)[boxed]
+        for says in (~silent & odd[0], silent, silent & middle[start])
+    )
+    votes, middles = (np.bincount(source, says, n_shells).astype(int) for says in (np.ones(len(source)), middle))
+    for key, *told in zip(pair[boxed].tolist(), yes.tolist(), mute.tolist(), mute_middles.tolist()):
         outside, one = divmod(key, n_shells)
-        if yes or not votes:
-            (around if votes and yes == votes else unsure)[one].add(outside)
+        if told[0] and told[0] == votes[one] - told[1]:
+            around[one].add(outside)
+        elif told[0] or middles[one] == told[2]:
+            unsure[one].add(outside)
     return around, unsure
 
 
@@ -77,20 +84,22 @@ def _find_boxed(points, owner, n_shells):
 
 
 def _choose_starts(points, faces, owner, shell, shells):
-    """Starts of rays (q, 3), the shell of each, and what counts as on a surface.
+    """Starts of rays (q, 3), the shell of each, what counts as on a surface, and which are middles of faces.
 
-    Vertices of each of `shells`, its extreme ones among them, and middles of some of its faces.
+    The others are vertices of each of `shells`, its extreme ones among them.
     """
-    starts, source, near = [], [], []
+    starts, source, near, middle = [], [], [], []
     vertices, corners = _list_by(owner, shells), _list_by(shell, shells)
     for number, mine, faced in zip(shells.tolist(), vertices, corners):
         own = points[mine]
         chosen = np.concatenate([own.argmin(axis=0), own.argmax(axis=0), _spread(own)])
         middles = points[faces[faced[_spread(faced)]]].mean(axis=1)
-        starts.append(np.concatenate([own[np.unique(chosen)], middles]))
+        chosen = np.unique(chosen)
+        starts.append(np.concatenate([own[chosen], middles]))
+        middle.append(np.repeat([False, True], [len(chosen), len(middles)]))
         source.append(np.full(len(starts[-1]), number))
         near.append(np.full(len(starts[-1]), NEAR * np.ptp(own, axis=0).max()))
-    return np.concatenate(starts), np.concatenate(source), np.concatenate(near)
+    return tuple(map(np.concatenate, (starts, source, near, middle)))
 
 
 def _spread(rows):
