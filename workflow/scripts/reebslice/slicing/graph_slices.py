@@ -10,9 +10,9 @@ import numpy as np
 from numba import njit
 
 from ..arrays.components import find, join
+from ..arrays.grouping import list_incidence
 from ..errors import TooManyCrossingsError
 from ..morse.ordered_mesh import cross_at, next_half_edge
-from ..morse.persistence import incident_arcs
 from .contours import MOST_CROSSINGS, Contours
 from .pieces import Pieces
 
@@ -129,7 +129,7 @@ def pieces_of_graph(mesh, graph, levels, contours, of_arcs):
     n_above = np.bincount(below, minlength=count).astype(np.int32)
     index = np.where(np.bincount(graph.arcs.ravel(), minlength=k) == 1, 1, -1)  # an extremum ends one arc
     euler = np.rint(np.bincount(of_node, weights=index, minlength=count)).astype(np.int32)
-    essential = np.flatnonzero(_pair_nodes(graph.arcs, *incident_arcs(graph.arcs, k), offset, contour, c) < 0)
+    essential = np.flatnonzero(_pair_nodes(graph.arcs, *list_incidence(graph.arcs, k), offset, contour, c) < 0)
     of_vertex = np.full(len(mesh.points), -1, np.int32)
     of_vertex[graph.nodes] = of_node
     critical = _list_by(of_node[essential], graph.nodes[essential], count)
