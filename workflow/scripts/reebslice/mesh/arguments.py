@@ -38,7 +38,10 @@ def take_mesh(points, faces=None):
     """
     if faces is None:
         points, faces = _take_apart(points)
-    points, faces = _as_rows("points", points, np.number, "real numbers"), _as_rows("faces", faces, np.integer, "whole numbers")
+    points, faces = (
+        _as_rows("points", points, np.number, "real numbers"),
+        _as_rows("faces", faces, np.integer, "whole numbers"),
+    )
     if faces.min() < 0 or faces.max() >= len(points):
         face, corner = np.argwhere((faces < 0) | (faces >= len(points)))[0]
         raise NotASolidError(

@@ -18,6 +18,7 @@ import numpy as np
 from numba import njit
 
 from ..arrays.components import find
+from ..arrays.grouping import list_incidence
 
 
 class ExtendedPairs(NamedTuple):
@@ -41,21 +42,6 @@ class ExtendedPairs(NamedTuple):
     extremes: np.ndarray
 
 
-class IncidentArcs(NamedTuple):
-    """The arcs at the nodes of a graph: those of node v are member[start[v]:start[v + 1]].
-
-    Attributes
-    ----------
-    start : (n + 1,) int64
-        Where the arcs of each node begin.
-    member : (2 A,) int32
-        Arcs, ascending at every node.
-    """
-
-    start: np.ndarray
-    member: np.ndarray
-
-
 def extended_pairs(n_nodes, arcs):
     """Pair the nodes of a graph by extended persistence.
 
@@ -75,35 +61,6 @@ def extended_pairs(n_nodes, arcs):
         is in exactly one.
     """
     return _extended_pairs(np.ascontiguousarray(arcs, np.int32).reshape(-1, 2), n_nodes)
-
-
-@njit(cache=True)
-def incident_arcs(arcs, n):
-    """List the arcs at every node of a graph.
-
-    Parameters
-    ----------
-    arcs : (A, 2) int32
-        Nodes that each arc joins.
-    n : int
-        Number of nodes.
-
-    Returns
-    -------
-    IncidentArcs
-        Each arc is at both its ends.
-    """
-    start = np.zeros(n + 1, np.int64)
-    for a in range(len(arcs)):
-        for end in arcs[a]:
-            start[end + 1] += 1
-    start = np.cumsum(start)
-    fill, member = start[:-1].copy(), np.empty(start[-1], np.int32)
-    for a in range(len(arcs)):
-        for end in arcs[a]:
-            member[fill[end]] = a
-            fill[end] += 1
-    return IncidentArcs(start, member)
 
 
 @njit(cache=True)
@@ -177,7 +134,7 @@ def _pair_loops(arcs, incident, closed):
 @njit(cache=True)
 def _extended_pairs(arcs, n):
     """The :class:`ExtendedPairs`, in one call."""
-    incident = incident_arcs(arcs, n)
+    incident = list_incidence(arcs, n)
     ordinary, closed, root = _pair_components(arcs, incident, True)
     relative, _, _ = _pair_components(arcs, incident, False)
     return ExtendedPairs(ordinary, relative, _pair_loops(arcs, incident, closed), _pair_extremes(root))
