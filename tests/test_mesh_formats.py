@@ -173,7 +173,7 @@ def test_step_cylinder_is_closed_and_in_millimetres(tmp_path):
         ("a.stl", ascii_stl().replace(b"vertex 1.0 2.0", b"vertex blah 2.0", 1), "blah"),
         ("a.stl", ascii_stl()[:400], "cut off"),
         ("a.stl", ascii_stl().replace(b"1.0", b"nan", 1), "finite"),
-        ("a.off", off(SIDES)[:-40].encode(), "face 5 is missing or names fewer"),
+        ("a.off", off(SIDES)[:-40].encode(), "face 4 is missing or names fewer"),
         ("a.off", b"OFFX\n", "begins with"),
         ("a.off", off(SIDES).replace("7 6", "7 8").encode(), "vertex 8, but there are 8 vertices, counted from 0"),
         ("a.obj", b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 9\n", "names vertex 9"),

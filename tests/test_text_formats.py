@@ -71,7 +71,7 @@ def test_shared_cases_have_their_area_and_volume(name, want):
         "\ufeff" + V + F,
         V + "".join("f {} {} {} {}\n".format(*(v - 8 for v in side)) for side in SIDES) + V,
         V + F.replace("f 4 3", "f 4 \\\n 3").replace("f 5 6", "f 5\\\n6"),
-        "v \\\n-1 -2 \\\n" + V[5:] + F,
+        "v \\\n-1 -2 \\\n-3\n" + V.partition("\n")[2] + F,
         "# C:\\models\\\n" + V + F,
         "mtllib a.mtl\no box\ng side\n"
         + V
@@ -221,6 +221,7 @@ FOUR = STL.replace("endloop", "vertex 0 0 0\nendloop", 3).replace("vertex 0 0 0\
         ("a.obj", "v 0 0 0\nf 1 -1 -2\n" + V, r"Face 1 \(line 2, .*names vertex -2.*1 of them before that line"),
         ("a.obj", V + F + "f 0 1 2\n", r"line 15.*names vertex 0, .* counted from 1"),
         ("a.obj", V.replace("1.0", "1.#IND", 1) + F, r"Line 1 \('v -1.#IND.*' where a coordinate"),
+        ("a.obj", V.replace("-3.0", "1.#QNAN", 1) + F, r"holds '1.#QNAN' where a coordinate"),
         ("a.obj", V + F.replace("f 5", "f x"), r"Line 10 .* holds 'x' where a vertex number"),
         ("a.obj", V + "v 1 2\n" + F, r"Line 9 \('v 1 2'\) gives a vertex fewer than three coordinates"),
         ("a.obj", V.replace("2.0", "nan", 1) + F, r"the first is vertex 1 \(line 1\) at \(-1, nan, -3\)"),
