@@ -69,7 +69,7 @@ def read_obj(path):
 # --------------------------------------------------------------------------
 # The scan
 
-HASH, SLASH, BACKSLASH, MINUS, PLUS, ZERO, NINE = b"#/\\-+09"
+HASH, SLASH, BACKSLASH, MINUS, PLUS, ZERO, NINE, POINT = b"#/\\-+09."  # 1.#IND is no comment
 NEW_LINE, SPACE = b"\n "
 F, G, M, N, O, S, T, U, V = b"fgmnostuv"  # noqa: E741, the letter
 NOTHING, VERTEX, FACE, OTHER = range(4)
@@ -146,7 +146,7 @@ def _copy_line(letters, i, text, at):
     n = len(letters)
     while i < n and letters[i] != NEW_LINE:
         letter = letters[i]
-        if letter == HASH:
+        if letter == HASH and letters[i - 1] != POINT:
             i = _skip_line(letters, i, False)
             break
         if letter == BACKSLASH and _goes_on(letters, i):
@@ -195,7 +195,7 @@ def _list_statements(data):
     """Yield the line and the words of every statement."""
     start, joined = 1, b""
     for number, line in enumerate(data.split(b"\n"), 1):
-        line, _, comment = line.partition(b"#")
+        line, *comment = re.split(rb"(?<!\.)#", line, maxsplit=1)
         goes_on = not comment and line.endswith(b"\\")
         joined += line[:-1] + b" " if goes_on else line
         if not goes_on:
