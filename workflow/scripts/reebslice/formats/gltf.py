@@ -1,0 +1,253 @@
+"""Read glTF 2.0, .gltf and .glb: the triangles of its scene, each in its place.
+
+Read here and not through a library: of those for Python, pygltflib gives the
+JSON as classes and leaves accessors, hierarchy and all that follows to the
+user, and trimesh passes over a good part of what the specification lets a file
+say (docs name it). JSON, base64 and arrays are at hand anyway.
+
+References: "glTF 2.0 Specification" (ISO/IEC 12113:2022), section Geometry.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from ..errors import MeshFormatError
+from .gltf_accessors import check_count, open_accessor, read_elements
+from .gltf_asset import DAMAGED, UNPACK, list_companions, open_asset, take_entry, take_kind, take_numbers, take_whole
+from .gltf_places import find_determinants, move, multiply, read_instances
+from .gltf_scene import read_scene
+from .gltf_skins import pose, read_influences, read_joints
+from .mesh_file import MeshFile
+
+__all__ = ["list_companions", "read_gltf"]
+
+POSITIONS = {5120, 5121, 5122, 5123, 5126}
+TRIANGLES, STRIP, FAN = 4, 5, 6
+# A few bytes can place a mesh any number of times; beyond this, memory is not asked for.
+MOST_FACES = 2**27
+
+
+def read_gltf(path):
+    """Read the triangles of a glTF 2.0 scene.
+
+    Parameters
+    ----------
+    path : str or Path
+        A .gltf or .glb file; its first bytes say which. External buffers are
+        those beside it (`list_companions`); nothing else is opened.
+
+    Returns
+    -------
+    MeshFile
+        Points in metres and +Y up, as glTF has them, not merged; corners that
+        share a position and a node share its bits. Faces are wound as the
+        specification says, mirrored nodes and instances included. Triangles
+        of strips and fans that name a vertex twice, which only join strips,
+        are left out. There is at least one face. Points of the file that no
+        face uses may be among the points.
+
+        Nodes, instances, skins and morph weights are as they are at rest.
+        Notes tell of animations, of primitives and nodes that were left out,
+        of weights that were applied, of the choice of scene.
+
+    Raises
+    ------
+    MeshFormatError
+        The file is not as the specification says, or requires what is not
+        read; the sentence says which object of the file, and the cure.
+    """
+    asset = open_asset(path)
+    scene = read_scene(asset)
+    decoded, parts = {}, []
+    for node_id in scene.shown:
+        node = asset.document["nodes"][node_id]
+        if "mesh" in node:
+            parts += _place_mesh(asset, node, node_id, scene.placed, decoded)
+    _tell_left_out(asset.notes, decoded)
+    return MeshFile(*_join(parts, asset.notes), "metre", tuple(asset.notes))
+
+
+class Part(NamedTuple):
+    """Triangles of one primitive, and the matrices (k, 4, 4) of the places where they stand; None: in the scene."""
+
+    points: np.ndarray
+    faces: np.ndarray
+    places: np.ndarray | None
+
+
+def _place_mesh(asset, node, node_id, placed, decoded):
+    """Return the parts of the mesh of a node; `decoded` keeps primitives for the next node."""
+    where = f"Node {node_id}"
+    mesh_id = take_whole(node, "mesh", where)
+    mesh, name = take_entry(asset.document, "meshes", mesh_id, where), f"mesh {mesh_id}"
+    weights = take_numbers(node if "weights" in node else mesh, "weights", None, f"{where} or {name}", [])
+    skin = take_whole(node, "skin", where) if "skin" in node else None
+    instances = read_instances(asset, node, node_id)
+    if skin is not None and instances is not None:
+        raise MeshFormatError(f"{where} is both skinned and placed by EXT_mesh_gpu_instancing, {UNPACK}.")
+    joints = None if skin is None else read_joints(asset, skin, placed, where)
+    places = placed[node_id][None] if instances is None else multiply(placed[node_id], instances)
+    parts = []
+    for k, primitive in enumerate(take_kind(mesh, "primitives", list, name)):
+        key, whose = (mesh_id, k, weights.tobytes(), skin), f"primitive {k} of {name}"
+        if key not in decoded:
+            if not isinstance(primitive, dict):
+                raise MeshFormatError(f"{whose} is no object; {DAMAGED}.")
+            decoded[key] = _read_primitive(asset, primitive, whose, weights, joints)
+        if isinstance(decoded[key], tuple):
+            parts.append(Part(*decoded[key], None if skin is not None else places))
+    if weights.any() and parts:
+        _tell_once(asset.notes, f"Morph targets of {name} are applied with weights {weights.tolist()}.")
+    if skin is not None and parts:
+        _tell_once(
+            asset.notes, f"Skin {skin} poses {name} by its joints at rest; its node's own transform is not used."
+        )
+    return parts
+
+
+def _tell_once(notes, sentence):
+    if sentence not in notes:
+        notes.append(sentence)
+
+
+def _tell_left_out(notes, decoded):
+    """Note the primitives that hold no triangles, by reason."""
+    for reason in sorted({found for found in decoded.values() if isinstance(found, str)}):
+        keys = list(dict.fromkeys(key[:2] for key, found in decoded.items() if found == reason))
+        mesh, first = keys[0]
+        notes.append(f"{len(keys)} primitives {reason} were left out, the first is primitive {first} of mesh {mesh}.")
+
+
+# --------------------------------------------------------------------------
+# One primitive
+
+
+def _read_primitive(asset, primitive, where, weights, joints):
+    """Return the points and faces of a primitive, morphed and posed, or say why it has none."""
+    mode = take_whole(primitive, "mode", where, TRIANGLES)
+    if mode > FAN:
+        raise MeshFormatError(f"{where} has mode {mode}, which is none of 0 to 6; {DAMAGED}.")
+    attributes = take_kind(primitive, "attributes", dict, where)
+    if mode < TRIANGLES:
+        return "of points or lines"
+    if "POSITION" not in attributes:
+        return "without positions"
+    position = _open_stored(asset, attributes, "POSITION", primitive, where)
+    ids = _read_ids(asset, primitive, where, position.count)
+    if not len(ids):
+        return "of no vertices"
+    faces = _cut_triangles(ids, mode, where)
+    rows = int(ids.min()), int(ids.max()) + 1  # primitives often share one long accessor
+    points = read_elements(position, rows).astype(np.float64)
+    points = _apply_targets(asset, primitive, where, weights, points, position.count, rows)
+    faces = faces - rows[0]
+    _check_finite(points, faces, rows[0], position.name)
+    if joints is not None:
+        influences = read_influences(asset, attributes, where, position.count, rows, len(joints))
+        points, mirrored = pose(points, *influences, joints)
+        faces = faces[:, ::-1] if mirrored else faces
+    return points, faces
+
+
+def _open_stored(asset, owner, key, primitive, where):
+    """Return the accessor of positions or indices, or name the extension that alone would give its elements."""
+    shape, kinds = ("VEC3", POSITIONS) if key == "POSITION" else ("SCALAR", {5121, 5123, 5125})
+    accessor = open_accessor(asset, take_whole(owner, key, where), shape, kinds, f"{key} of {where}")
+    if accessor.stored is None and accessor.sparse is None:
+        source = " and ".join(sorted(take_kind(primitive, "extensions", dict, where))) or "an extension"
+        raise MeshFormatError(f"{accessor.name} holds no elements: they are stored by {source} only, {UNPACK}.")
+    return accessor
+
+
+def _read_ids(asset, primitive, where, count):
+    """Return the vertex ids (n,) int64 of a primitive, all of which exist."""
+    if "indices" not in primitive:
+        return np.arange(count)
+    accessor = _open_stored(asset, primitive, "indices", primitive, where)
+    ids = read_elements(accessor._replace(normalized=False))[:, 0].astype(np.int64)
+    at = int(ids.argmax()) if len(ids) else 0
+    if len(ids) and ids[at] == np.iinfo(accessor.dtype).max:
+        raise MeshFormatError(
+            f"{accessor.name} holds {ids[at]} at place {at}, which would restart the primitive and is not allowed;"
+            " write separate primitives, or ids of a wider componentType."
+        )
+    if len(ids) and ids[at] >= count:
+        raise MeshFormatError(
+            f"{accessor.name} names vertex {ids[at]} at place {at}, but there are {count} vertices; {DAMAGED}."
+        )
+    return ids
+
+
+def _cut_triangles(ids, mode, where):
+    """Return the triangles (m, 3) of a list, strip or fan, wound as the section Meshes says."""
+    if len(ids) % 3 if mode == TRIANGLES else len(ids) < 3:
+        needed = "a multiple of three" if mode == TRIANGLES else "at least three"
+        raise MeshFormatError(f"{where} has {len(ids)} corners where {needed} are due (mode {mode}); {DAMAGED}.")
+    if mode == TRIANGLES:
+        return ids.reshape(-1, 3)
+    if mode == FAN:
+        faces = np.column_stack([ids[1:-1], ids[2:], np.broadcast_to(ids[0], len(ids) - 2)])
+    else:
+        faces = np.column_stack([ids[:-2], ids[1:-1], ids[2:]])
+        faces[1::2, 1:] = faces[1::2, :0:-1]
+    a, b, c = faces.T
+    return faces[(a != b) & (b != c) & (c != a)]
+
+
+def _apply_targets(asset, primitive, where, weights, points, count, rows):
+    """Return the points moved by the weighted morph targets."""
+    targets = take_kind(primitive, "targets", list, where)
+    if weights.any() and len(weights) != len(targets):
+        raise MeshFormatError(f"{where} has {len(targets)} morph targets but {len(weights)} weights; {DAMAGED}.")
+    for k, (weight, target) in enumerate(zip(weights, targets, strict=False)):
+        whose = f"target {k} of {where}"
+        target = take_kind({whose: target}, whose, dict, where)
+        if weight and "POSITION" in target:
+            index = take_whole(target, "POSITION", whose)
+            moves = open_accessor(asset, index, "VEC3", POSITIONS, f"POSITION of {whose}")
+            check_count(moves, count)
+            points = points + weight * read_elements(moves, rows)
+    return points
+
+
+def _check_finite(points, faces, first, name):
+    """Refuse coordinates in use that are no numbers."""
+    bad = np.flatnonzero(~np.isfinite(points).all(axis=1))
+    if len(bad) and len(bad := bad[np.isin(bad, faces)]):
+        raise MeshFormatError(
+            f"{len(bad)} vertices have coordinates that are not finite numbers, the first is vertex {first + bad[0]} of"
+            f" {name} at {tuple(points[bad[0]].tolist())}; mend or remove them in the program that wrote the file."
+        )
+
+
+# --------------------------------------------------------------------------
+# Places
+
+
+def _join(parts, notes):
+    """Return all points and faces, every part in each of its places."""
+    times = [1 if part.places is None else len(part.places) for part in parts]
+    n_points, n_faces = (sum(k * len(part[which]) for k, part in zip(times, parts, strict=True)) for which in (0, 1))
+    if max(n_points, n_faces) > MOST_FACES:
+        raise MeshFormatError(
+            f"The scene places {n_points} vertices and {n_faces} faces, more than {MOST_FACES}; show fewer instances."
+        )
+    if not n_faces:
+        told = ["The file holds no faces: its scene places no triangle; export the mesh again.", *notes]
+        raise MeshFormatError(" ".join(told))
+    points, faces = np.empty((n_points, 3)), np.empty((n_faces, 3), np.int32)
+    at, row = 0, 0
+    for k, part in zip(times, parts, strict=True):
+        here = points[at : at + k * len(part.points)].reshape(k, len(part.points), 3)
+        there = faces[row : row + k * len(part.faces)].reshape(k, len(part.faces), 3)
+        np.add(part.faces, (at + np.arange(k) * len(part.points))[:, None, None], out=there, casting="unsafe")
+        if part.places is None:
+            here[0] = part.points
+        else:
+            for axis in range(3):
+                here[:, :, axis] = move(part.points, part.places[:, None, axis])
+            mirrored = find_determinants(part.places) < 0
+            there[mirrored] = there[mirrored][:, :, ::-1]
+        at, row = at + k * len(part.points), row + k * len(part.faces)
+    return points, faces
