@@ -1,6 +1,7 @@
 """glTF 2.0: every file is read as the specification says, or refused by a sentence that names why."""
 
 import json
+import struct
 from pathlib import Path
 
 import numpy as np
@@ -85,6 +86,18 @@ def test_unknown_chunks_and_bytes_after_the_end_are_left_out(build, glb):
     assert measure(glb)[0] == 6 and not notes(glb)
     glb.write_bytes(bytes(data) + b"\0\0")
     assert measure(glb)[0] == 6 and "2 bytes after the end" in notes(glb)
+
+
+def test_chunks_that_are_not_padded_are_read_and_told(build, tmp_path):
+    build.node(mesh=build.box())
+    text = build.write(tmp_path / "model.gltf").read_bytes()
+    text += b" " * (1 - len(text) % 4 + 4)
+    data = struct.pack("<4sII", b"glTF", 2, 28 + len(text) + len(build.data))
+    for kind, chunk in ((b"JSON", text), (b"BIN\0", build.data)):
+        data += struct.pack("<I4s", len(chunk), kind) + chunk
+    (tmp_path / "model.glb").write_bytes(data)
+    assert measure(tmp_path / "model.glb")[0] == 6
+    assert "Chunk 0 of the GLB file ends at byte" in notes(tmp_path / "model.glb")
 
 
 def test_whole_numbers_may_be_written_with_a_fraction_and_the_last_of_a_repeated_key_counts(build, tmp_path):
@@ -297,6 +310,13 @@ def test_the_scene_that_the_file_names_is_read(build, glb):
     assert measure(build.write(glb))[0] == 6 and "names none and begins with" in notes(glb)
     del build.document["scenes"]
     assert measure(build.write(glb))[0] == 54 and "no scene: all 2 root nodes are read" in notes(glb)
+
+
+def test_a_child_that_the_scene_lists_stands_below_an_empty_parent(build, glb):
+    build.node(mesh=build.box())
+    build.node(root=False, children=[0])
+    assert measure(build.write(glb))[0] == 6
+    assert "Scene 0 lists node 0, which is no root node but a child of node 1; that has no transform" in notes(glb)
 
 
 def test_lower_levels_of_detail_are_no_parts_of_a_file_without_scenes(build, glb):

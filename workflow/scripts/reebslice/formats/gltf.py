@@ -59,25 +59,26 @@ def read_gltf(path):
     """
     asset = open_asset(path)
     scene = read_scene(asset)
-    decoded, parts = {}, []
+    parts = {}
     for node_id in scene.shown:
         node = asset.document["nodes"][node_id]
         if "mesh" in node:
-            parts += _place_mesh(asset, node, node_id, scene.placed, decoded)
-    _tell_left_out(asset.notes, decoded)
-    return MeshFile(*_join(parts, asset.notes), "metre", tuple(asset.notes))
+            _place_mesh(asset, node, node_id, scene.placed, parts)
+    _tell_left_out(asset.notes, parts)
+    return MeshFile(*_join(list(parts.values()), asset.notes), "metre", tuple(asset.notes))
 
 
 class Part(NamedTuple):
-    """Triangles of one primitive, and the matrices (k, 4, 4) of the places where they stand; None: in the scene."""
+    """Triangles of one primitive, all its places (k, 4, 4), and, if it has no triangles, why."""
 
     points: np.ndarray
     faces: np.ndarray
-    places: np.ndarray | None
+    places: list
+    reason: str = ""
 
 
-def _place_mesh(asset, node, node_id, placed, decoded):
-    """Return the parts of the mesh of a node; `decoded` keeps primitives for the next node."""
+def _place_mesh(asset, node, node_id, placed, parts):
+    """Add the places of a node to the parts of its mesh; a part is decoded when it is first met."""
     where = f"Node {node_id}"
     mesh_id = take_whole(node, "mesh", where)
     mesh, name = take_entry(asset.document, "meshes", mesh_id, where), f"mesh {mesh_id}"
@@ -85,25 +86,22 @@ def _place_mesh(asset, node, node_id, placed, decoded):
     skin = take_whole(node, "skin", where) if "skin" in node else None
     instances = read_instances(asset, node, node_id)
     if skin is not None and instances is not None:
-        raise MeshFormatError(f"{where} is both skinned and placed by EXT_mesh_gpu_instancing, {UNPACK}.")
+        raise MeshFormatError(
+            f"{where} is both skinned and placed by EXT_mesh_gpu_instancing, which is not read; place copies by nodes."
+        )
     joints = None if skin is None else read_joints(asset, skin, placed, where)
     places = placed[node_id][None] if instances is None else multiply(placed[node_id], instances)
-    parts = []
     for k, primitive in enumerate(take_kind(mesh, "primitives", list, name)):
         key, whose = (mesh_id, k, weights.tobytes(), skin), f"primitive {k} of {name}"
-        if key not in decoded:
+        if key not in parts:
             if not isinstance(primitive, dict):
                 raise MeshFormatError(f"{whose} is no object; {DAMAGED}.")
-            decoded[key] = _read_primitive(asset, primitive, whose, weights, joints)
-        if isinstance(decoded[key], tuple):
-            parts.append(Part(*decoded[key], None if skin is not None else places))
-    if weights.any() and parts:
+            parts[key] = _read_primitive(asset, primitive, whose, weights, joints)
+        parts[key].places.append(np.eye(4)[None] if skin is not None else places)
+    if weights.any():
         _tell_once(asset.notes, f"Morph targets of {name} are applied with weights {weights.tolist()}.")
-    if skin is not None and parts:
-        _tell_once(
-            asset.notes, f"Skin {skin} poses {name} by its joints at rest; its node's own transform is not used."
-        )
-    return parts
+    if skin is not None:
+        _tell_once(asset.notes, f"Skin {skin} poses {name} by its joints at rest; its node's transform is not used.")
 
 
 def _tell_once(notes, sentence):
@@ -111,10 +109,10 @@ def _tell_once(notes, sentence):
         notes.append(sentence)
 
 
-def _tell_left_out(notes, decoded):
+def _tell_left_out(notes, parts):
     """Note the primitives that hold no triangles, by reason."""
-    for reason in sorted({found for found in decoded.values() if isinstance(found, str)}):
-        keys = list(dict.fromkeys(key[:2] for key, found in decoded.items() if found == reason))
+    for reason in sorted({part.reason for part in parts.values()} - {""}):
+        keys = list(dict.fromkeys(key[:2] for key, part in parts.items() if part.reason == reason))
         mesh, first = keys[0]
         notes.append(f"{len(keys)} primitives {reason} were left out, the first is primitive {first} of mesh {mesh}.")
 
@@ -124,19 +122,19 @@ def _tell_left_out(notes, decoded):
 
 
 def _read_primitive(asset, primitive, where, weights, joints):
-    """Return the points and faces of a primitive, morphed and posed, or say why it has none."""
+    """Return a primitive, morphed and posed, in no place yet."""
     mode = take_whole(primitive, "mode", where, TRIANGLES)
     if mode > FAN:
         raise MeshFormatError(f"{where} has mode {mode}, which is none of 0 to 6; {DAMAGED}.")
     attributes = take_kind(primitive, "attributes", dict, where)
     if mode < TRIANGLES:
-        return "of points or lines"
+        return _leave_out("of points or lines")
     if "POSITION" not in attributes:
-        return "without positions"
+        return _leave_out("without positions")
     position = _open_stored(asset, attributes, "POSITION", primitive, where)
     ids = _read_ids(asset, primitive, where, position.count)
     if not len(ids):
-        return "of no vertices"
+        return _leave_out("of no vertices")
     faces = _cut_triangles(ids, mode, where)
     rows = int(ids.min()), int(ids.max()) + 1  # primitives often share one long accessor
     points = read_elements(position, rows).astype(np.float64)
@@ -147,7 +145,11 @@ def _read_primitive(asset, primitive, where, weights, joints):
         influences = read_influences(asset, attributes, where, position.count, rows, len(joints))
         points, mirrored = pose(points, *influences, joints)
         faces = faces[:, ::-1] if mirrored else faces
-    return points, faces
+    return Part(points, faces, [])
+
+
+def _leave_out(reason):
+    return Part(np.zeros((0, 3)), np.zeros((0, 3), np.int64), [], reason)
 
 
 def _open_stored(asset, owner, key, primitive, where):
@@ -226,9 +228,10 @@ def _check_finite(points, faces, first, name):
 
 
 def _join(parts, notes):
-    """Return all points and faces, every part in each of its places."""
-    times = [1 if part.places is None else len(part.places) for part in parts]
-    n_points, n_faces = (sum(k * len(part[which]) for k, part in zip(times, parts, strict=True)) for which in (0, 1))
+    """Return all points and faces: part by part, each in all its places."""
+    places = [np.concatenate(part.places) for part in parts]
+    counts = [(len(k) * len(part.points), len(k) * len(part.faces)) for k, part in zip(places, parts, strict=True)]
+    n_points, n_faces = (sum(column) for column in zip(*counts, strict=True)) if counts else (0, 0)
     if max(n_points, n_faces) > MOST_FACES:
         raise MeshFormatError(
             f"The scene places {n_points} vertices and {n_faces} faces, more than {MOST_FACES}; show fewer instances."
@@ -238,16 +241,14 @@ def _join(parts, notes):
         raise MeshFormatError(" ".join(told))
     points, faces = np.empty((n_points, 3)), np.empty((n_faces, 3), np.int32)
     at, row = 0, 0
-    for k, part in zip(times, parts, strict=True):
-        here = points[at : at + k * len(part.points)].reshape(k, len(part.points), 3)
-        there = faces[row : row + k * len(part.faces)].reshape(k, len(part.faces), 3)
-        np.add(part.faces, (at + np.arange(k) * len(part.points))[:, None, None], out=there, casting="unsafe")
-        if part.places is None:
-            here[0] = part.points
-        else:
-            for axis in range(3):
-                here[:, :, axis] = move(part.points, part.places[:, None, axis])
-            mirrored = find_determinants(part.places) < 0
-            there[mirrored] = there[mirrored][:, :, ::-1]
-        at, row = at + k * len(part.points), row + k * len(part.faces)
+    for matrices, part, (size, rows) in zip(places, parts, counts, strict=True):
+        here = points[at : at + size].reshape(len(matrices), len(part.points), 3)
+        there = faces[row : row + rows].reshape(len(matrices), len(part.faces), 3)
+        for axis in range(3):
+            here[:, :, axis] = move(part.points, matrices[:, None, axis])
+        starts = at + np.arange(len(matrices)) * len(part.points)
+        np.add(part.faces, starts[:, None, None], out=there, casting="unsafe")  # fits: no more than MOST_FACES
+        mirrored = find_determinants(matrices) < 0
+        there[mirrored] = there[mirrored][:, :, ::-1]
+        at, row = at + size, row + rows
     return points, faces

@@ -17,6 +17,7 @@ from ..errors import MeshFormatError
 DAMAGED = "the file is damaged, export it again (the Khronos glTF Validator lists every fault)"
 # Tried: the command decodes every compression of the registry.
 UNPACK = "which is not read; write the file without it, for example by `gltf-transform copy IN.glb OUT.glb`"
+CONVERT = "convert it to glTF 2.0, for example by `gltf-pipeline -i IN -o OUT`"
 JSON_CHUNK, BIN_CHUNK = 0x4E4F534A, 0x004E4942
 
 # Extensions that change where triangles are, and are read.
@@ -33,6 +34,7 @@ HARMLESS = set(
     KHR_node_selectability KHR_techniques_webgl KHR_texture_basisu KHR_texture_transform KHR_xmp KHR_xmp_json_ld
     ADOBE_materials_clearcoat_specular ADOBE_materials_clearcoat_tint ADOBE_materials_thin_transparency AGI_stk_metadata
     CESIUM_primitive_outline EXT_lights_ies EXT_lights_image_based EXT_mesh_manifold EXT_mesh_primitive_edge_visibility
+    EXT_instance_features EXT_mesh_features EXT_structural_metadata FB_ngon_encoding
     EXT_mesh_primitive_restart EXT_texture_astc EXT_texture_webp FB_geometry_metadata GODOT_single_root MSFT_lod
     MSFT_packing_normalRoughnessMetallic MSFT_packing_occlusionRoughnessMetallic MSFT_texture_dds NV_materials_mdl
     """.split()
@@ -115,7 +117,7 @@ def _split_file(path, notes):
         return data.tobytes(), None
     version, length = (int(word) for word in data[4:12].view("<u4")) if len(data) >= 12 else (2, 12)
     if version != 2:
-        raise MeshFormatError(f"The file is binary glTF of version {version}; convert it to glTF 2.0.")
+        raise MeshFormatError(f"The file is binary glTF of version {version}; {CONVERT}.")
     if len(data) < length or length < 20:
         raise MeshFormatError(
             f"The GLB file is cut off: its header declares {length} bytes (20 at least), it has {len(data)};"
@@ -123,7 +125,7 @@ def _split_file(path, notes):
         )
     if len(data) > length:
         notes.append(f"The {len(data) - length} bytes after the end that the GLB header declares were left out.")
-    chunks = _split_chunks(data[:length])
+    chunks = _split_chunks(data[:length], notes)
     if chunks[0][0] != JSON_CHUNK:
         raise MeshFormatError(f"The GLB file does not begin with a JSON chunk; {DAMAGED}.")
     binary = [chunk for kind, chunk in chunks[1:] if kind == BIN_CHUNK]
@@ -132,17 +134,19 @@ def _split_file(path, notes):
     return chunks[0][1].tobytes().rstrip(b"\0"), binary[0] if binary else None
 
 
-def _split_chunks(data):
+def _split_chunks(data, notes):
     """Return the kind and the bytes of every chunk of a GLB file."""
     chunks, at = [], 12
     while at + 8 <= len(data):
         size, kind = (int.from_bytes(data[k : k + 4].tobytes(), "little") for k in (at, at + 4))
         end = at + 8 + size
-        if end > len(data) or (end % 4 and end < len(data)):
+        if end > len(data):
             raise MeshFormatError(
-                f"Chunk {len(chunks)} of the GLB file, at byte {at}, declares {size} bytes, and {len(data) - at - 8}"
-                f" are left; chunks end within the file, on a multiple of four bytes: {DAMAGED}."
+                f"Chunk {len(chunks)} of the GLB file, at byte {at}, declares {size} bytes, but {len(data) - at - 8}"
+                f" are left; {DAMAGED}."
             )
+        if end % 4:  # as some writers leave them; the next header is where it is found
+            notes.append(f"Chunk {len(chunks)} of the GLB file ends at byte {end}, not on a multiple of four bytes.")
         chunks.append((kind, data[at + 8 : end]))
         at = end
     return chunks
@@ -167,14 +171,16 @@ def _check_version(document):
     asset = document.get("asset")
     asset = asset if isinstance(asset, dict) else {}
     needed = asset.get("minVersion", asset.get("version"))
-    version = re.match(r"(\d{1,9})\.(\d{1,9})$", str(needed))
-    if needed is None and isinstance(document.get("meshes"), dict) or version and version[1] in "01":
+    version = re.match(r"(\d{1,9})(?:\.(\d{1,9}))?", str(needed))
+    # Lists of glTF 2.0 were objects of named entries in 1.0, where the version could be left out.
+    older = needed is None and any(isinstance(document.get(key), dict) for key in ("nodes", "meshes", "accessors"))
+    if older or (version and int(version[1]) < 2):
         raise MeshFormatError(
-            f"The file is glTF {needed or '1.0'}, which is laid out otherwise than glTF 2.0; convert it to glTF 2.0."
+            f"The file is glTF {needed or '1.0'}, which is laid out otherwise than glTF 2.0; {CONVERT}."
         )
     if not version:
         raise MeshFormatError(f"The file names no version of glTF (asset.version is {needed!r:.40}); {DAMAGED}.")
-    if int(version[1]) > 2 or ("minVersion" in asset and int(version[2]) > 0):
+    if int(version[1]) > 2 or ("minVersion" in asset and int(version[2] or 0) > 0):
         raise MeshFormatError(f"The file needs a reader of glTF {needed}, this one reads 2.0; save it as glTF 2.0.")
 
 
@@ -234,8 +240,9 @@ def take_whole(owner, key, where, default=None):
     value = owner.get(key, default)
     if isinstance(value, float) and value.is_integer():
         value = int(value)
-    if isinstance(value, bool) or not isinstance(value, int) or value < 0:
-        raise MeshFormatError(f"{where} has {key} = {value!r:.40} where a whole number is due; {DAMAGED}.")
+    if isinstance(value, bool) or not isinstance(value, int) or not 0 <= value <= 2**53:
+        shown = f"{value:.3g}" if isinstance(value, int) and abs(value) < 10**300 else f"{value!r:.40}"
+        raise MeshFormatError(f"{where} has {key} = {shown} where a whole number (to 2^53) is due; {DAMAGED}.")
     return value
 
 

@@ -53,8 +53,8 @@ def find_determinants(matrices):
     -------
     (k,) float64
     """
-    a, b, c = (matrices[:, row, :3] for row in range(3))
-    return (a * np.cross(b, c)).sum(axis=1)
+    (a, b, c), (d, e, f), (g, h, i) = (matrices[:, row, :3].T for row in range(3))
+    return a * (e * i - f * h) + b * (f * g - d * i) + c * (d * h - e * g)
 
 
 def compose(translation, rotation, scale, where):
@@ -83,8 +83,9 @@ def compose(translation, rotation, scale, where):
     if not sound.all():
         k = int(np.argmin(sound))
         raise MeshFormatError(
-            f"{where(k)} has translation {translation[k].tolist()}, rotation {rotation[k].tolist()} and scale"
-            f" {scale[k].tolist()}; a rotation is a quaternion x, y, z, w of length one, all are finite: {DAMAGED}."
+            f"{where(k)} has translation {translation[k].tolist()}, scale {scale[k].tolist()} and rotation"
+            f" {rotation[k].tolist()} of length {length[k]:.4g}; numbers are finite, and a rotation is a quaternion"
+            " x, y, z, w of length one: divide it by its length, or export the file again."
         )
     x, y, z, w = (rotation / length[:, None]).T
     rows = [

@@ -47,9 +47,8 @@ def read_scene(asset):
     nodes = [take_entry(asset.document, "nodes", k, "The file") for k in range(count)]
     children = [take_wholes(node, "children", f"Node {k}") for k, node in enumerate(nodes)]
     parents = _find_parents(children)
-    roots = [k for k in range(count) if parents[k] < 0]
-    placed = _place_nodes(_read_transforms(nodes), parents, children, roots)
-    shown, hidden = _walk(nodes, children, _choose_roots(asset, nodes, parents, roots))
+    placed = _place_nodes(_read_transforms(nodes), parents, children)
+    shown, hidden = _walk(nodes, children, _choose_roots(asset, nodes, parents, placed))
     _tell_left_out(asset, nodes, shown, hidden)
     return Scene(shown, placed)
 
@@ -70,10 +69,11 @@ def _find_parents(children):
     return parents
 
 
-def _choose_roots(asset, nodes, parents, roots):
-    """Return the ids of the root nodes to show."""
+def _choose_roots(asset, nodes, parents, placed):
+    """Return the ids of the nodes with which the scene begins."""
     scenes = take_kind(asset.document, "scenes", list, "The file")
     if not scenes:
+        roots = [k for k in range(len(nodes)) if parents[k] < 0]
         if roots:
             asset.notes.append(f"The file has no scene: all {len(roots)} root nodes are read.")
         coarse = {k for node in nodes for k in take_wholes(_extension(node, "MSFT_lod"), "ids", "MSFT_lod")}
@@ -85,20 +85,22 @@ def _choose_roots(asset, nodes, parents, roots):
         asset.notes.append(f"Of {len(scenes)} scenes, scene {chosen} is read, which the file {why}.")
     for k in ids:
         take_entry(asset.document, "nodes", k, f"Scene {chosen}")
-        if parents[k] >= 0:
-            raise MeshFormatError(
-                f"Scene {chosen} lists node {k}, which is a child of node {parents[k]}; list root nodes only."
-            )
-    if len(set(ids)) < len(ids):
-        raise MeshFormatError(f"Scene {chosen} lists a node twice; list each root node once.")
+        if parents[k] >= 0:  # not allowed, but UniGLTF wrote whole libraries so, below an empty parent
+            sentence = f"Scene {chosen} lists node {k}, which is no root node but a child of node {parents[k]}"
+            if not np.array_equal(placed[parents[k]], np.eye(4)):
+                raise MeshFormatError(f"{sentence}, whose transform may be meant or not; list root nodes only.")
+            asset.notes.append(f"{sentence}; that has no transform, so that it is read where it stands.")
     return ids
 
 
 def _walk(nodes, children, roots):
     """Return the nodes below the roots, depth first, and those at which a hidden branch begins."""
-    shown, hidden, waiting = [], [], roots[::-1]
+    shown, hidden, met, waiting = [], [], set(), roots[::-1]
     while waiting:
         k = waiting.pop()
+        if k in met:
+            raise MeshFormatError(f"The scene shows node {k} twice; list each root node once, and no node below it.")
+        met.add(k)
         if _extension(nodes[k], "KHR_node_visibility").get("visible", True) is False:
             hidden.append(k)
             continue
@@ -146,9 +148,10 @@ def _read_transforms(nodes):
     return local
 
 
-def _place_nodes(local, parents, children, roots):
+def _place_nodes(local, parents, children):
     """Return the global matrix of every node: that of its parent times its own."""
-    placed, waiting, reached = local.copy(), list(roots), set(roots)
+    placed, waiting = local.copy(), [k for k in range(len(local)) if parents[k] < 0]
+    reached = set(waiting)
     while waiting:
         k = waiting.pop()
         for child in children[k]:
