@@ -243,6 +243,20 @@ def test_strips_joined_by_repeated_vertices(build, glb):
     assert abs(volume) == 6 and len(read_gltf(glb).faces) == 12
 
 
+@pytest.mark.parametrize("mode", [5, 6])
+def test_strips_and_fans_restart_where_the_extension_allows(build, glb, mode):
+    order = {5: (0, 1, 3, 2), 6: (0, 1, 2, 3)}[mode]
+    ids = [k for side in SIDES for k in (*(side[place] for place in order), 255)] + [255, 3, 255]
+    primitive = {
+        "attributes": {"POSITION": build.accessor(CORNERS)},
+        "indices": build.accessor(ids, UBYTE),
+        "mode": mode,
+    }
+    build.node(mesh=build.add("meshes", primitives=[primitive]))
+    build.document |= {key: ["KHR_mesh_primitive_restart"] for key in ("extensionsUsed", "extensionsRequired")}
+    assert measure(build.write(glb))[0] == 6 and len(read_gltf(glb).faces) == 12
+
+
 def test_long_strip_by_the_equation(build, glb):
     zigzag = [[k // 2, k % 2, 0] for k in range(9)]
     build.node(mesh=build.add("meshes", primitives=[{"attributes": {"POSITION": build.accessor(zigzag)}, "mode": 5}]))

@@ -132,11 +132,11 @@ def _read_primitive(asset, primitive, where, weights, joints):
     if "POSITION" not in attributes:
         return _leave_out("without positions")
     position = _open_stored(asset, attributes, "POSITION", primitive, where)
-    ids = _read_ids(asset, primitive, where, position.count)
-    if not len(ids):
+    runs = _read_runs(asset, primitive, where, position.count, mode)
+    if not any(map(len, runs)):
         return _leave_out("of no vertices")
-    faces = _cut_triangles(ids, mode, where)
-    rows = int(ids.min()), int(ids.max()) + 1  # primitives often share one long accessor
+    faces = np.concatenate([_cut_triangles(ids, mode, where) for ids in runs])
+    rows = min(int(ids.min()) for ids in runs), max(int(ids.max()) for ids in runs) + 1  # of a long shared accessor
     points = read_elements(position, rows).astype(np.float64)
     points = _apply_targets(asset, primitive, where, weights, points, position.count, rows)
     faces = faces - rows[0]
@@ -162,23 +162,28 @@ def _open_stored(asset, owner, key, primitive, where):
     return accessor
 
 
-def _read_ids(asset, primitive, where, count):
-    """Return the vertex ids (n,) int64 of a primitive, all of which exist."""
+def _read_runs(asset, primitive, where, count, mode):
+    """Return the vertex ids of a primitive, all of which exist, as one list (n,) int64 or as many as it restarts."""
     if "indices" not in primitive:
-        return np.arange(count)
+        return [np.arange(count)]
     accessor = _open_stored(asset, primitive, "indices", primitive, where)
     ids = read_elements(accessor._replace(normalized=False))[:, 0].astype(np.int64)
+    top, runs = np.iinfo(accessor.dtype).max, [ids]
+    if mode != TRIANGLES and "KHR_mesh_primitive_restart" in take_kind(asset.document, "extensionsUsed", list, where):
+        runs = [run[run != top] for run in np.split(ids, np.flatnonzero(ids == top))]
+        runs = [run for run in runs if len(run) > 2] or [ids[:0]]  # shorter ones draw nothing
+        ids = np.where(ids == top, 0, ids)
     at = int(ids.argmax()) if len(ids) else 0
-    if len(ids) and ids[at] == np.iinfo(accessor.dtype).max:
+    if len(ids) and ids[at] == top:
         raise MeshFormatError(
-            f"{accessor.name} holds {ids[at]} at place {at}, which would restart the primitive and is not allowed;"
-            " write separate primitives, or ids of a wider componentType."
+            f"{accessor.name} holds {top} at place {at}, which would restart the primitive and is not allowed; write"
+            " separate primitives, or ids of a wider componentType."
         )
     if len(ids) and ids[at] >= count:
         raise MeshFormatError(
             f"{accessor.name} names vertex {ids[at]} at place {at}, but there are {count} vertices; {DAMAGED}."
         )
-    return ids
+    return runs
 
 
 def _cut_triangles(ids, mode, where):

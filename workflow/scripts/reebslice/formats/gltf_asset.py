@@ -21,7 +21,7 @@ CONVERT = "convert it to glTF 2.0, for example by `gltf-pipeline -i IN -o OUT`"
 JSON_CHUNK, BIN_CHUNK = 0x4E4F534A, 0x004E4942
 
 # Extensions that change where triangles are, and are read.
-READ = {"KHR_mesh_quantization", "EXT_mesh_gpu_instancing", "KHR_node_visibility"}
+READ = {"KHR_mesh_quantization", "EXT_mesh_gpu_instancing", "KHR_mesh_primitive_restart", "KHR_node_visibility"}
 # Those whose content a file may also give uncompressed.
 COMPRESSION = {"KHR_draco_mesh_compression", "EXT_meshopt_compression", "KHR_meshopt_compression"}
 # Extensions of the registry that leave every triangle in its place, required or not.
