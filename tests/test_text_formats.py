@@ -6,8 +6,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from mesh_writers import off_text, ply_bytes, stl_text
 
+from mesh_writers import off_text, ply_bytes, stl_text
 from reebslice.errors import MeshFormatError
 from reebslice.formats.meshes import read_mesh
 from reebslice.mesh.inspection import inspect_surface

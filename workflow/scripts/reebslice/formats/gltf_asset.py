@@ -25,55 +25,20 @@ READ = {"KHR_mesh_quantization", "EXT_mesh_gpu_instancing", "KHR_mesh_primitive_
 # Those whose content a file may also give uncompressed.
 COMPRESSION = {"KHR_draco_mesh_compression", "EXT_meshopt_compression", "KHR_meshopt_compression"}
 # Extensions of the registry that leave every triangle in its place, required or not.
-HARMLESS = {
-    "KHR_animation_pointer",
-    "KHR_interactivity",
-    "KHR_lights_punctual",
-    "KHR_materials_anisotropy",
-    "KHR_materials_clearcoat",
-    "KHR_materials_diffuse_transmission",
-    "KHR_materials_dispersion",
-    "KHR_materials_emissive_strength",
-    "KHR_materials_ior",
-    "KHR_materials_iridescence",
-    "KHR_materials_pbrSpecularGlossiness",
-    "KHR_materials_sheen",
-    "KHR_materials_specular",
-    "KHR_materials_transmission",
-    "KHR_materials_unlit",
-    "KHR_materials_variants",
-    "KHR_materials_volume",
-    "KHR_node_hoverability",
-    "KHR_node_selectability",
-    "KHR_techniques_webgl",
-    "KHR_texture_basisu",
-    "KHR_texture_transform",
-    "KHR_xmp",
-    "KHR_xmp_json_ld",
-    "ADOBE_materials_clearcoat_specular",
-    "ADOBE_materials_clearcoat_tint",
-    "ADOBE_materials_thin_transparency",
-    "AGI_stk_metadata",
-    "CESIUM_primitive_outline",
-    "EXT_lights_ies",
-    "EXT_lights_image_based",
-    "EXT_mesh_manifold",
-    "EXT_mesh_primitive_edge_visibility",
-    "EXT_instance_features",
-    "EXT_mesh_features",
-    "EXT_structural_metadata",
-    "FB_ngon_encoding",
-    "EXT_mesh_primitive_restart",
-    "EXT_texture_astc",
-    "EXT_texture_webp",
-    "FB_geometry_metadata",
-    "GODOT_single_root",
-    "MSFT_lod",
-    "MSFT_packing_normalRoughnessMetallic",
-    "MSFT_packing_occlusionRoughnessMetallic",
-    "MSFT_texture_dds",
-    "NV_materials_mdl",
-}
+HARMLESS = set(
+    """
+    KHR_animation_pointer KHR_interactivity KHR_lights_punctual KHR_materials_anisotropy KHR_materials_clearcoat
+    KHR_materials_diffuse_transmission KHR_materials_dispersion KHR_materials_emissive_strength KHR_materials_ior
+    KHR_materials_iridescence KHR_materials_pbrSpecularGlossiness KHR_materials_sheen KHR_materials_specular
+    KHR_materials_transmission KHR_materials_unlit KHR_materials_variants KHR_materials_volume KHR_node_hoverability
+    KHR_node_selectability KHR_techniques_webgl KHR_texture_basisu KHR_texture_transform KHR_xmp KHR_xmp_json_ld
+    ADOBE_materials_clearcoat_specular ADOBE_materials_clearcoat_tint ADOBE_materials_thin_transparency AGI_stk_metadata
+    CESIUM_primitive_outline EXT_lights_ies EXT_lights_image_based EXT_mesh_manifold EXT_mesh_primitive_edge_visibility
+    EXT_instance_features EXT_mesh_features EXT_structural_metadata FB_ngon_encoding
+    EXT_mesh_primitive_restart EXT_texture_astc EXT_texture_webp FB_geometry_metadata GODOT_single_root MSFT_lod
+    MSFT_packing_normalRoughnessMetallic MSFT_packing_occlusionRoughnessMetallic MSFT_texture_dds NV_materials_mdl
+    """.split()
+)
 
 
 class Asset(NamedTuple):
