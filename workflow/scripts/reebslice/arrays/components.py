@@ -1,10 +1,11 @@
 """Connected components by union-find (Tarjan 1975, doi:10.1145/321879.321884)."""
 
 import numpy as np
-from numba import njit
+
+from ..kernels import njit
 
 
-@njit(cache=True)
+@njit
 def connected_items(low, high, n):
     """Find the connected components of items that are linked in pairs.
 
@@ -30,7 +31,7 @@ def connected_items(low, high, n):
     return name
 
 
-@njit(cache=True, inline="always")
+@njit(inline="always")
 def find(root, i):
     """Find the representative of an item's set, halving the path to it.
 
@@ -52,7 +53,7 @@ def find(root, i):
     return i
 
 
-@njit(cache=True, inline="always")
+@njit(inline="always")
 def join(root, i, j):
     """Unite the sets of two items; the smaller representative remains.
 

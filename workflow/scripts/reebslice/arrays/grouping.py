@@ -4,7 +4,8 @@ import itertools
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
+
+from ..kernels import njit
 
 
 class Groups(NamedTuple):
@@ -22,7 +23,7 @@ class Groups(NamedTuple):
     member: np.ndarray
 
 
-@njit(cache=True)
+@njit
 def group_items(group, count):
     """Sort items by their group, with one counting sort.
 
@@ -49,7 +50,7 @@ def group_items(group, count):
     return Groups(start, member)
 
 
-@njit(cache=True)
+@njit
 def list_incidence(ends, n):
     """List the edges at every node of a graph.
 

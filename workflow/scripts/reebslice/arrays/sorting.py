@@ -1,7 +1,8 @@
 """Counting sorts of integer keys."""
 
 import numpy as np
-from numba import njit
+
+from ..kernels import njit
 
 
 def sort_stably(*keys):
@@ -28,7 +29,7 @@ def sort_stably(*keys):
     return order
 
 
-@njit(cache=True)
+@njit
 def sort_by_counting(numbers, order, bound):
     """Put `order` in ascending order of numbers[order], equal ones left as they are.
 
@@ -54,7 +55,7 @@ def sort_by_counting(numbers, order, bound):
     return out, ends
 
 
-@njit(cache=True)
+@njit
 def find_starts(numbers, bound):
     """Find where each number begins once they are sorted.
 

@@ -12,9 +12,10 @@ from importlib.util import find_spec
 from pathlib import Path
 from typing import NamedTuple
 
-import numba
 import numpy as np
 from PIL import Image, ImageDraw, ImageFont
+
+from ..kernels import njit
 
 
 class Canvas(NamedTuple):
@@ -73,7 +74,7 @@ def draw_segments(canvas, groups, colours, widths, opacity=1.0):
         _stroke(canvas.image, canvas.cover, canvas.touched, segments, starts, inks, radii, float(opacity))
 
 
-@numba.njit(cache=True)
+@njit
 def _stroke(image, cover, touched, segments, starts, inks, radii, opacity):
     """Blend every group of segments once, by how much of a pixel it covers."""
     height, width = cover.shape
@@ -138,7 +139,7 @@ SIDES = {
 }
 
 
-@numba.njit(cache=True)
+@njit
 def _mark(image, places, sides, edge, face, half, hollow):
     """Blend the outlines, `half` to both sides of the sides, and what is inside of them."""
     height, width = image.shape[:2]

@@ -9,10 +9,10 @@ node. The order is improved by sifting: every lane in turn tries all places
 straightline crossing minimization, GD 1999, doi:10.1007/3-540-46648-7_22).
 """
 
-import numba
 import numpy as np
 
 from ..arrays.grouping import list_incidence
+from ..kernels import njit
 
 
 def count_crossings(order, ends, rank):
@@ -72,7 +72,7 @@ def _walk_order(ends, hints, start, incident):
     return np.array(order, np.int64)
 
 
-@numba.njit(cache=True)
+@njit
 def _find_outermost(place, start, incident, without):
     """Places (n,) of the first and of the last lane of every node, the lane `without` left out."""
     first, last = np.full(len(start) - 1, len(place)), np.full(len(start) - 1, -1)
@@ -84,7 +84,7 @@ def _find_outermost(place, start, incident, without):
     return first, last
 
 
-@numba.njit(cache=True)
+@njit
 def _sift(order, ends, reach, start, incident, rounds):
     """Put every lane in turn where it crosses least, until nothing improves, in place; the crossings that remain.
 

@@ -11,10 +11,10 @@ keeps lanes and nodes apart.
 
 from typing import NamedTuple
 
-import numba
 import numpy as np
 
 from ..arrays.grouping import list_incidence
+from ..kernels import njit
 from .lane_orders import order_lanes
 
 LANE_GAP = 1.0
@@ -151,7 +151,7 @@ def _list_items(order, lanes, home, hints):
     return items[np.lexsort((items, ties, keys))].astype(np.int64)
 
 
-@numba.njit(cache=True)
+@njit
 def _gap(a, b, low, high, lanes, n):
     """Distance that two items must keep, 0 if they never meet."""
     if low[a] > high[b] or low[b] > high[a]:
@@ -168,13 +168,13 @@ def _gap(a, b, low, high, lanes, n):
     return NODE_GAP if not own or _is_short(lane, low, high) else 0.0
 
 
-@numba.njit(cache=True)
+@njit
 def _is_short(lane, low, high):
     """Whether the marks of the lane's ends would meet: spans hold a margin at each end of the lane."""
     return (high[lane] - low[lane]) / 2 < high[0] - low[0]
 
 
-@numba.njit(cache=True)
+@njit
 def _list_gaps(items, low, high, lanes, n):
     """All pairs that keep a distance: left item, right item, distance, in the order of the left ones."""
     left, right, gaps = [], [], []
@@ -188,7 +188,7 @@ def _list_gaps(items, low, high, lanes, n):
     return np.array(left, dtype=np.int64), np.array(right, dtype=np.int64), np.array(gaps, dtype=np.float64)
 
 
-@numba.njit(cache=True)
+@njit
 def _keep_apart(x, left, right, gaps):
     """The mean of the two placings that only push right, or only push left.
 
@@ -202,7 +202,7 @@ def _keep_apart(x, left, right, gaps):
     return (pushed + pulled) / 2
 
 
-@numba.njit(cache=True)
+@njit
 def _pull(x, lanes, home, start, incident):
     """Where every item would like to be: nodes amid their lanes, lanes at their nodes."""
     n, wish = len(home), x.copy()

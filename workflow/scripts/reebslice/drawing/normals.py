@@ -2,8 +2,9 @@
 
 from typing import NamedTuple
 
-import numba
 import numpy as np
+
+from ..kernels import njit
 
 FLAT_VALENCE = 64  # faces around a vertex, beyond which it is the tip of a cone or the centre of a cap, and flat
 
@@ -47,7 +48,7 @@ def find_vertex_normals(points, faces, crease):
     return VertexNormals(crease, *_find_vertex_normals(points, faces, crease))
 
 
-@numba.njit(cache=True)
+@njit
 def _find_vertex_normals(points, faces, crease):
     """Smooth normals (n, 3), and the faces around the other vertices, as in :class:`VertexNormals`."""
     total, count = np.zeros((len(points), 3)), np.zeros(len(points), np.int32)
@@ -88,7 +89,7 @@ def _find_vertex_normals(points, faces, crease):
     return smooth, around, start
 
 
-@numba.njit(cache=True, inline="always")
+@njit(inline="always")
 def _face_normal(points, faces, f):
     """Unit normal of a face and twice its area; all 0 of a face without area."""
     a, b, c = points[faces[f, 0]], points[faces[f, 1]], points[faces[f, 2]]
@@ -99,7 +100,7 @@ def _face_normal(points, faces, f):
     return x * over, y * over, z * over, length
 
 
-@numba.njit(cache=True)
+@njit
 def corner_normals(points, faces, f, normals, out):
     """Find the normals at the corners of a face.
 

@@ -11,9 +11,9 @@ SIGGRAPH 1988, doi:10.1145/54852.378457 (edge functions).
 
 from typing import NamedTuple
 
-import numba
 import numpy as np
 
+from ..kernels import njit
 from .normals import corner_normals, find_vertex_normals
 from .views import view_axes
 
@@ -38,7 +38,7 @@ class Layers(NamedTuple):
     winding: np.ndarray
 
 
-@numba.njit(cache=True)
+@njit
 def _box(x, y, width, height):
     """First and last column, first and last row of the pixels with centres in the box around a triangle."""
     left, right = max(0, (min(x) + _HALF - 1) // SUBPIXELS), min(width - 1, (max(x) - _HALF) // SUBPIXELS)
@@ -46,7 +46,7 @@ def _box(x, y, width, height):
     return left, right, top, bottom
 
 
-@numba.njit(cache=True)
+@njit
 def _span(x, y, row, left, right):
     """Those of the columns `left` to `right` whose pixels' centres lie in a triangle of positive area."""
     for p in range(3):
@@ -81,7 +81,7 @@ class _Projected(NamedTuple):
     sign: int
 
 
-@numba.njit(cache=True, inline="always")
+@njit(inline="always")
 def _project_face(grid, faces, f):
     """The face f as :class:`_Projected`, and the places of its second and third corner.
 
@@ -98,7 +98,7 @@ def _project_face(grid, faces, f):
     return _Projected(x, y, area, sign), j, k
 
 
-@numba.njit(cache=True)
+@njit
 def _fill_faces(grid, points, faces, scale, normals, layers):
     """Enter all faces into the layers; grid, points : of :func:`_project_finely`; scale : pixels in a mesh unit."""
     height, width = layers.depth.shape
@@ -119,7 +119,7 @@ def _fill_faces(grid, points, faces, scale, normals, layers):
             _fill_row(layers, row, left, right, seen, (depth, u, v, w))
 
 
-@numba.njit(cache=True, inline="always")
+@njit(inline="always")
 def _fill_row(layers, row, left, right, seen, quantities):
     """Enter a face into the pixels `left` to `right` of a row; quantities : its depth and the axes of its normal."""
     d, u, v, w = quantities
@@ -173,7 +173,7 @@ def rasterize_mesh(points, faces, view, crease=40.0):
     return layers
 
 
-@numba.njit(cache=True)
+@njit
 def _project_finely(points, view):
     """Points (n, 3) as seen: right, up and depth in pixels; column and row in the parts that the rasteriser counts in.
 
@@ -215,7 +215,7 @@ def widest_azimuth(points, faces, elevation):
     return float(azimuths[areas.argmax()]) if areas.any() else 0.0
 
 
-@numba.njit(cache=True)
+@njit
 def _measure_silhouettes(corners, axes):
     """Area (k,) that the front ones of the triangles `corners` (m, 3, 3) cover, seen along each of `axes` (k, 3, 3)."""
     areas, seen = np.zeros(len(axes)), np.empty((len(corners), 3, 2))

@@ -1,7 +1,8 @@
 """Shading of rasterised meshes: a translucent body on white."""
 
-import numba
 import numpy as np
+
+from ..kernels import njit
 
 _LIGHT = np.array([-0.45, 0.55, 0.70]) / np.linalg.norm([-0.45, 0.55, 0.70])
 _BODY = np.array([0.66, 0.73, 0.80])
@@ -34,7 +35,7 @@ def shade_layers(layers, jump, factor=1):
     return image
 
 
-@numba.njit(cache=True)
+@njit
 def _shade_blocks(layers, jump, factor, image):
     """Shade the mean surface of every block once; how much is covered, and on an outline, counts pixel by pixel."""
     depth, normal, slant = layers.depth, layers.normal, layers.slant
@@ -70,7 +71,7 @@ def _shade_blocks(layers, jump, factor, image):
                 image[row, column, k] = int(255.5 - 255 * part * (1 - value))
 
 
-@numba.njit(cache=True)
+@njit
 def _find_outline(depth, row, jump, outlined):
     """Whether one of the four neighbours of each pixel of a row lies more than `jump` behind it, or is empty."""
     here, width = depth[row], depth.shape[1]

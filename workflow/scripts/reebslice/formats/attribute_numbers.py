@@ -8,9 +8,9 @@ and nothing in between; that form is read here, and only that form.
 import re
 
 import numpy as np
-from numba import njit
 
 from ..errors import NumberFormatError
+from ..kernels import njit
 from .number_lines import read_numbers
 
 MARK = b"reebslice-run"
@@ -86,7 +86,7 @@ def read_rows(text):
 SPACE, QUOTE, APOSTROPHE, SLASH, LESS, EQUAL, GREATER, AMPERSAND, NEW_LINE = b" \"'/<=>&\n"
 
 
-@njit(cache=True)
+@njit
 def _skip_blanks(letters, at):
     """The first place from `at` on that is no blank of XML."""
     while at < len(letters) and (letters[at] == SPACE or letters[at] == 9 or letters[at] == 10 or letters[at] == 13):
@@ -94,7 +94,7 @@ def _skip_blanks(letters, at):
     return at
 
 
-@njit(cache=True)
+@njit
 def _skip_word(letters, at, word):
     """The place behind a word that stands at a place, or -1 if it does not."""
     if at + len(word) > len(letters):
@@ -105,7 +105,7 @@ def _skip_word(letters, at, word):
     return at + len(word)
 
 
-@njit(cache=True)
+@njit
 def _find_value(letters, at):
     """Where an attribute's name, its value and the attribute end, and where its value begins; -1 if it is not plain."""
     n, name_end = len(letters), at
@@ -125,7 +125,7 @@ def _find_value(letters, at):
     return (name_end, begin + 1, end) if end < n else (-1, -1, -1)
 
 
-@njit(cache=True)
+@njit
 def _find_values(letters, at, attributes, ends, values):
     """Put where the wanted values begin and end into (3, 2); return where the attributes end, or -1 if not plain."""
     values[:] = -1
@@ -146,7 +146,7 @@ def _find_values(letters, at, attributes, ends, values):
                 values[k] = low, high
 
 
-@njit(cache=True)
+@njit
 def _skip_end(letters, at, element):
     """The place behind `/>`, or behind `></element>`, at a place, or -1."""
     if letters[at] == SLASH:
@@ -159,7 +159,7 @@ def _skip_end(letters, at, element):
     return at + 1 if at < len(letters) and letters[at] == GREATER else -1
 
 
-@njit(cache=True)
+@njit
 def _pick_values(letters, element, attributes, ends):
     """The values of three attributes of all elements, a line for each; and whether there is nothing else."""
     text, size, values = np.empty(len(letters), np.uint8), 0, np.empty((3, 2), np.int64)

@@ -8,7 +8,8 @@ Algorithms 4 (1983): least rotation in linear time.
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
+
+from ..kernels import njit
 
 THIN = 1e-14  # of the size squared: an area below has no plane
 
@@ -32,7 +33,7 @@ class Flat(NamedTuple):
     bend: float
 
 
-@njit(cache=True)
+@njit
 def lay_flat(points, ids, order, places):
     """Lay a polygon into its plane.
 
@@ -66,7 +67,7 @@ def lay_flat(points, ids, order, places):
     return Flat(step < 0, length * length / steepest, reach, spread, bend / np.sqrt(size))
 
 
-@njit(cache=True)
+@njit
 def _sum_areas(points, order):
     """Sum the areas of the fan from the first corner, doubled: as vectors (Newell's normal), and their lengths."""
     x = y = z = spread = 0.0
@@ -81,7 +82,7 @@ def _sum_areas(points, order):
     return x, y, z, spread
 
 
-@njit(cache=True)
+@njit
 def _measure_box(points, order):
     """Return the squared diagonal of the box around corners."""
     size = 0.0
@@ -93,7 +94,7 @@ def _measure_box(points, order):
     return size
 
 
-@njit(cache=True)
+@njit
 def _project(points, order, normal, k, places):
     """Move corners along the normal to coordinate plane k.
 
@@ -118,7 +119,7 @@ def _project(points, order, normal, k, places):
 # The order of corners
 
 
-@njit(cache=True)
+@njit
 def _find_start(points, ids):
     """Find the corner, and the way +1 or -1 around, that give the least sequence of coordinates."""
     n, least, alone = len(ids), 0, True
@@ -138,7 +139,7 @@ def _find_start(points, ids):
     return ahead, 1
 
 
-@njit(cache=True)
+@njit
 def _find_least(points, ids, step):
     """Find where the least rotation of a cyclic sequence begins, in linear time."""
     n, i, j, k = len(ids), 0, 1, 0
@@ -157,7 +158,7 @@ def _find_least(points, ids, step):
     return step * min(i, j) % n
 
 
-@njit(cache=True)
+@njit
 def compare(points, a, b):
     """Compare points by x, then y, then z: -1, 0 or 1."""
     for axis in range(3):

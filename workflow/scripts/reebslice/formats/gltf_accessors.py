@@ -79,7 +79,7 @@ class Accessor(NamedTuple):
     """The elements of an accessor, in place in their buffer, all of which are there."""
 
     name: str
-    count: int
+    count: int  # type: ignore[assignment]  # a method of tuples is called so
     stored: np.ndarray | None
     """(count, width); None where the file holds no elements but zeros."""
     sparse: tuple | None
@@ -116,7 +116,7 @@ def open_accessor(asset, index, shape, kinds, where):
         leave the accessor.
     """
     entry, name = take_entry(asset.document, "accessors", index, where), f"Accessor {index} ({where})"
-    found, kind, count = entry.get("type"), *(take_whole(entry, key, name) for key in ("componentType", "count"))
+    found, kind, count = entry.get("type"), take_whole(entry, "componentType", name), take_whole(entry, "count", name)
     normalized = entry.get("normalized") is True and kind != 5126
     if found != shape or kind not in kinds or (normalized and kind == 5125):
         raise MeshFormatError(

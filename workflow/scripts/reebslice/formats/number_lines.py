@@ -1,9 +1,9 @@
 """Lines of numbers, which ASCII meshes are made of, taken from the bytes of a file."""
 
 import numpy as np
-from numba import njit
 
 from ..errors import NumberFormatError
+from ..kernels import njit
 
 NEW_LINE, SPACE = b"\n "
 MARK = b"\xef\xbb\xbf"  # what some editors put before UTF-8 text
@@ -60,13 +60,13 @@ def decode(words):
     return text if len(text) <= 60 else text[:57] + "..."
 
 
-@njit(cache=True, inline="always")
+@njit(inline="always")
 def is_blank(letter):
     """Tell whether a byte is white space."""
     return letter == SPACE or 9 <= letter <= 13
 
 
-@njit(cache=True)
+@njit
 def _count_words(letters, most):
     """How many words stand in each of the first `most` lines that are not blank; and where these end."""
     widths, lines, words, blank = np.empty(1024, np.int64), 0, 0, True

@@ -7,9 +7,9 @@ import re
 from collections import Counter
 
 import numpy as np
-from numba import njit
 
 from ..errors import MeshFormatError, NumberFormatError
+from ..kernels import njit
 from ..mesh.faults import Names
 from .number_lines import decode, is_blank, is_number, read_numbers, read_text
 from .polygons import build_mesh
@@ -76,7 +76,7 @@ NOTHING, VERTEX, FACE, OTHER = range(4)
 MOST = 2**31 - 1
 
 
-@njit(cache=True)
+@njit
 def _scan(letters):
     """Scan all statements.
 
@@ -106,7 +106,7 @@ def _scan(letters):
     return text[:n_text], ids[:n_ids].copy(), sizes[:n_faces].copy(), n_points, all_sound, others
 
 
-@njit(cache=True)
+@njit
 def _tell_statement(letters, i):
     """Tell the statement that begins at i."""
     first = letters[i]
@@ -123,13 +123,13 @@ def _tell_statement(letters, i):
     return NOTHING if passed else OTHER
 
 
-@njit(cache=True, inline="always")
+@njit(inline="always")
 def _goes_on(letters, i):
     """Tell whether the line ends at i in a backslash, that is goes on in the next one."""
     return letters[i] == BACKSLASH and i + 1 < len(letters) and letters[i + 1] == NEW_LINE
 
 
-@njit(cache=True)
+@njit
 def _skip_line(letters, i, joined):
     """Return where the statement at i ends; that of a comment ends with its line."""
     joined |= letters[i] != HASH
@@ -140,7 +140,7 @@ def _skip_line(letters, i, joined):
     return i
 
 
-@njit(cache=True)
+@njit
 def _copy_line(letters, i, text, at):
     """Copy the numbers of a statement; return where it ends, and where the copy does."""
     n = len(letters)
@@ -159,7 +159,7 @@ def _copy_line(letters, i, text, at):
     return i, at + 1
 
 
-@njit(cache=True)
+@njit
 def _read_face(letters, i, ids, at, n_points):
     """Read the vertex numbers of a face to `ids` from `at` on; return where both end, and whether all are numbers."""
     n, sound = len(letters), True

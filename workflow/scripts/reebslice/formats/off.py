@@ -7,9 +7,9 @@ or not; 4OFF and nOFF hold points of other dimensions and are refused.
 import re
 
 import numpy as np
-from numba import njit
 
 from ..errors import MeshFormatError, NumberFormatError
+from ..kernels import njit
 from ..mesh.faults import Names
 from .number_lines import decode, describe_word, read_numbers, read_text
 from .polygons import build_mesh
@@ -90,7 +90,7 @@ def _take_points(numbers, widths, ends, n_points, n_faces, width):
     return numbers[ends[0] : end].reshape(-1, width)[:, :3], end
 
 
-@njit(cache=True)
+@njit
 def _walk(numbers, ends, at, n_faces):
     """Walk over faces from `at` on, each ended by its line.
 
@@ -130,7 +130,7 @@ def _read_binary(data, width):
     return _build(points, *_walk_binary(faces, end, n_faces), faces, n_faces, None)
 
 
-@njit(cache=True)
+@njit
 def _walk_binary(words, at, n_faces):
     """Walk over faces: size, ids, number of colours, colours."""
     most = min(n_faces, len(words))

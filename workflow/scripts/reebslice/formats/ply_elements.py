@@ -3,9 +3,9 @@
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 
 from ..errors import MeshFormatError
+from ..kernels import njit
 
 
 class Property(NamedTuple):
@@ -20,7 +20,7 @@ class Element(NamedTuple):
     """An element: its name, the number of its rows, and its properties in the order of the file."""
 
     name: str
-    count: int
+    count: int  # type: ignore[assignment]  # a method of tuples is called so
     properties: list
 
 
@@ -128,7 +128,7 @@ def _take_column(table, k, counts, n_rows):
     return table[f"v{k}"].reshape(-1), np.full(n_rows, counts[k], np.int64)
 
 
-@njit(cache=True)
+@njit
 def _locate_bytes(raw, at, n_rows, lengths, signed, items, wanted, big):
     """Locate one property in every row: where its items begin, how many they are, the whole rows, and the end."""
     begin, counts = np.empty(n_rows, np.int64), np.empty(n_rows, np.int64)
@@ -152,7 +152,7 @@ def _locate_bytes(raw, at, n_rows, lengths, signed, items, wanted, big):
     return begin, counts, n_rows, at
 
 
-@njit(cache=True)
+@njit
 def _locate_numbers(numbers, at, n_rows, is_list, wanted):
     """Locate one property in every row of an ASCII element, as `_locate_bytes` does."""
     begin, counts = np.empty(n_rows, np.int64), np.empty(n_rows, np.int64)
@@ -171,7 +171,7 @@ def _locate_numbers(numbers, at, n_rows, is_list, wanted):
     return begin, counts, n_rows, at
 
 
-@njit(cache=True)
+@njit
 def _gather(raw, begin, counts, width):
     """Copy `counts` items of `width` bytes from each of `begin`."""
     found, place = np.empty(counts.sum() * width, np.uint8), 0

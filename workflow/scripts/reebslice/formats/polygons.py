@@ -9,9 +9,9 @@ References: https://github.com/mapbox/earcut, https://github.com/elalish/manifol
 """
 
 import numpy as np
-from numba import njit
 
 from ..errors import MeshFormatError
+from ..kernels import njit
 from ..mesh.faults import COUNTED_FROM_0, find_fault
 from .flat_polygons import lay_flat
 from .mesh_file import MeshFile
@@ -110,7 +110,7 @@ def cut_polygons(points, corners, sizes, names=COUNTED_FROM_0):
     ]
 
 
-@njit(cache=True)
+@njit
 def _cut_all(points, corners, sizes):
     """Cut all polygons that need no search: what is left to do (k,) int8, the bends (k,), the triangles."""
     states, bends = np.zeros(len(sizes), np.int8), np.zeros(len(sizes))
@@ -134,7 +134,7 @@ def _cut_all(points, corners, sizes):
     return states, bends, faces
 
 
-@njit(cache=True)
+@njit
 def _cut_one(order, places, flat, triangles):
     """Cut a polygon that is convex or has no area as a fan."""
     n = len(order)
@@ -149,7 +149,7 @@ def _cut_one(order, places, flat, triangles):
     return EASY
 
 
-@njit(cache=True)
+@njit
 def _is_convex(places, n):
     """Tell whether every corner turns left, and all of them once around."""
     rounds = 0
@@ -162,7 +162,7 @@ def _is_convex(places, n):
     return rounds == 1
 
 
-@njit(cache=True)
+@njit
 def _turn(places, a, b, c):
     """Twice the signed area of a triangle."""
     return (places[b, 0] - places[a, 0]) * (places[c, 1] - places[a, 1]) - (places[b, 1] - places[a, 1]) * (
@@ -170,12 +170,12 @@ def _turn(places, a, b, c):
     )
 
 
-@njit(cache=True)
+@njit
 def _span(places, a, b):
     return (places[b, 0] - places[a, 0]) ** 2 + (places[b, 1] - places[a, 1]) ** 2
 
 
-@njit(cache=True)
+@njit
 def _goes_up(places, a, b):
     rise = places[b, 1] - places[a, 1]
     return rise > 0 or (rise == 0 and places[b, 0] > places[a, 0])

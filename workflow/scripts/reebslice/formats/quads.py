@@ -4,15 +4,15 @@ All sums and products come out the same to the last bit from whichever corner th
 """
 
 import numpy as np
-from numba import njit
 
+from ..kernels import njit
 from .flat_polygons import THIN, compare
 
 FOLDED = 1e-6  # of a polygon's size squared: triangles may cover no more than this beyond the polygon's area
 STRAIGHT = 1e-9  # of an area, and sine of an angle: what is below is no ear for sure
 
 
-@njit(cache=True)
+@njit
 def cut_quad(points, quad, faces):
     """Cut one quad.
 
@@ -50,7 +50,7 @@ def cut_quad(points, quad, faces):
     return crossed, bend
 
 
-@njit(cache=True)
+@njit
 def _is_first_shorter(points, a, b, c, d):
     """Tell whether diagonal ac is shorter than bd, or as long and at the least corner by coordinates."""
     ac = bd = 0.0
@@ -63,7 +63,7 @@ def _is_first_shorter(points, a, b, c, d):
     return compare(points, one, other) <= 0
 
 
-@njit(cache=True, inline="always")
+@njit(inline="always")
 def _cross(points, a, b, c, d):
     """The cross product of the ways from a to b and from c to d."""
     ux, uy, uz = points[b, 0] - points[a, 0], points[b, 1] - points[a, 1], points[b, 2] - points[a, 2]
@@ -71,17 +71,17 @@ def _cross(points, a, b, c, d):
     return uy * vz - uz * vy, uz * vx - ux * vz, ux * vy - uy * vx
 
 
-@njit(cache=True, inline="always")
+@njit(inline="always")
 def _dot(u, v):
     return u[0] * v[0] + u[1] * v[1] + u[2] * v[2]
 
 
-@njit(cache=True, inline="always")
+@njit(inline="always")
 def _length(u):
     return np.sqrt(_dot(u, u))
 
 
-@njit(cache=True, inline="always")
+@njit(inline="always")
 def _measure_box(points, a, b, c, d):
     """The squared diagonal of the box around four points."""
     size = 0.0

@@ -5,9 +5,9 @@ two bytes, in which Magics and VisCAM keep colours, are passed over.
 """
 
 import numpy as np
-from numba import njit
 
 from ..errors import MeshFormatError, NumberFormatError
+from ..kernels import njit
 from ..mesh.faults import Names, find_fault
 from .mesh_file import MeshFile
 from .number_lines import decode, is_blank, is_number, read_numbers, read_text
@@ -103,7 +103,7 @@ def _parse_text(data):
     return values.reshape(-1, 3)
 
 
-@njit(cache=True)
+@njit
 def _scan(letters):
     """Scan words: what follows `vertex`, line by line; the number of facets; what is wrong, and where it begins."""
     n = len(letters)
@@ -130,7 +130,7 @@ def _scan(letters):
     return text[:at], n_facets, fault if n_vertices == 3 * n_facets else WRONG_COUNT, start
 
 
-@njit(cache=True)
+@njit
 def _copy_vertex(letters, i, text, at):
     """Copy three words and end the line; return where both end, and whether another number follows in the line."""
     n = len(letters)
@@ -149,7 +149,7 @@ def _copy_vertex(letters, i, text, at):
     return i, at, more
 
 
-@njit(cache=True)
+@njit
 def _is_word(letters, i, word):
     """Tell whether `word`, in any case, stands at i by itself."""
     end = i + len(word)
@@ -161,21 +161,21 @@ def _is_word(letters, i, word):
     return end == len(letters) or is_blank(letters[end])
 
 
-@njit(cache=True, inline="always")
+@njit(inline="always")
 def _is_comment(letters, i):
     """Tell whether a comment begins at i, as programs write them, though the specification has none."""
     letter = letters[i]
     return letter in (HASH, SEMICOLON) or (letter == SLASH and i + 1 < len(letters) and letters[i + 1] == SLASH)
 
 
-@njit(cache=True)
+@njit
 def _skip_line(letters, i):
     while i < len(letters) and letters[i] != NEW_LINE:
         i += 1
     return i
 
 
-@njit(cache=True)
+@njit
 def _skip_word(letters, i):
     while i < len(letters) and not is_blank(letters[i]):
         i += 1

@@ -2,8 +2,8 @@
 
 import numpy as np
 import pyarrow as pa
-from numba import njit
 
+from ..kernels import njit
 from ..planar.curves import Curves
 
 HEADER = 9  # bytes: the byte order (1: little-endian), the geometry's type (2: line string), the number of points
@@ -35,7 +35,7 @@ def pack_curves(points, start):
     return pa.Array.from_buffers(pa.binary(), len(start) - 1, [None, pa.py_buffer(ends), pa.py_buffer(data)])
 
 
-@njit(cache=True)
+@njit
 def _pack(points, raw, start):
     """Where the curves begin and end, (C + 1,) int32, and all their bytes; raw : (X, 16) bytes of the points."""
     count = len(start) - 1
@@ -64,7 +64,7 @@ def _pack(points, raw, start):
     return ends, data[:place]
 
 
-@njit(cache=True, inline="always")
+@njit(inline="always")
 def _append(data, place, raw, i):
     """Append the bytes of point i; the place behind them."""
     for k in range(np.uint64(POINT)):
@@ -98,7 +98,7 @@ def unpack_curves(blocks, most):
     return Curves(points[:place], np.concatenate(starts))
 
 
-@njit(cache=True)
+@njit
 def _unpack(data, ends, stop, raw):
     """Copy the points of the curves to `raw` (N, 16), each up to `stop`."""
     for c in range(len(stop)):

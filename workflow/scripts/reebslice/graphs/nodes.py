@@ -2,8 +2,8 @@
 
 import numpy as np
 import shapely
-from numba import njit
 
+from ..kernels import njit
 from ..planar.circles import largest_circles
 from ..planar.distances import clearances, nearest_point
 from ..planar.outlines import measure_outlines, outline_polygons
@@ -136,7 +136,7 @@ def steady_points(outlines, points, radius, predecessor):
     return _steady_points(outlines.points, outlines.ring, outlines.start, points, radius, predecessor)
 
 
-@njit(cache=True)
+@njit
 def _steady_points(outline, ring, start, points, radius, predecessor):
     """As :func:`steady_points`, over the arrays of the outlines."""
     points = points.copy()
@@ -149,7 +149,7 @@ def _steady_points(outline, ring, start, points, radius, predecessor):
     return points
 
 
-@njit(cache=True)
+@njit
 def _climb(outline, ring, first, end, x, y, radius):
     """Walk away from the outline until the clearance is no less than STEADY x radius, or STEPS are done.
 

@@ -1,8 +1,8 @@
 """Signed areas of the contours next to critical points, which tell on which side of the surface an event happens."""
 
 import numpy as np
-from numba import njit
 
+from ..kernels import njit
 from ..morse.ordered_mesh import cross_at, next_half_edge
 from ..slicing.exact_contours import exact_tilt, locate_corners, turns_clockwise, walk_crossings
 
@@ -28,7 +28,7 @@ def link_areas(mesh, vertices):
     return _link_areas(mesh.points, mesh.faces, wanted, len(vertices))
 
 
-@njit(cache=True)
+@njit
 def _link_areas(points, faces, wanted, n_wanted):
     """Kernel of `link_areas`; wanted : (n,) int32, the place of each vertex among those asked for, or -1."""
     nearest = np.full(n_wanted, np.inf)
@@ -89,7 +89,7 @@ def saddle_contours(mesh, saddles):
     return area[0], area[1]
 
 
-@njit(cache=True)
+@njit
 def _saddle_contours(mesh, wanted, saddles):
     """Areas and lengths of the contours at saddles, (2, k, 2), and a half-edge of each: below, above.
 
@@ -115,7 +115,7 @@ def _saddle_contours(mesh, wanted, saddles):
     return area, length, gate
 
 
-@njit(cache=True)
+@njit
 def _walk_from(mesh, start, other, saddle, cut):
     """Signed area and length of the contour through half-edge `start`; whether it meets `other`.
 

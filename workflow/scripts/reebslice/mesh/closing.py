@@ -3,9 +3,9 @@
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 
 from ..errors import TouchingSheetsError
+from ..kernels import njit
 from . import copies, half_edges, merging, orders, touching
 from .faults import format_point
 
@@ -209,7 +209,7 @@ def find_distinct(faces):
     return _find_distinct(np.ascontiguousarray(faces, np.int32))
 
 
-@njit(cache=True)
+@njit
 def _find_distinct(faces):
     distinct = np.empty(len(faces), np.bool_)
     for f in range(len(faces)):

@@ -4,7 +4,8 @@ from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
+
+from ..kernels import njit
 
 # Beyond these, areas multiplied by areas leave the range of float64.
 LARGEST, SMALLEST = 1e75, 1e-75
@@ -80,7 +81,7 @@ def _describe_strays(n_points, corners, names, sizes):
     )
 
 
-@njit(cache=True)
+@njit
 def _survey(points, corners):
     """Whether a corner names no vertex, or a used one is not finite; and the box (3,), (3,) of the used ones."""
     low, high, finite = np.full(3, np.inf), np.full(3, -np.inf), True

@@ -5,9 +5,9 @@ share it. Half-edge h starts at corner h, so both bear one number.
 """
 
 import numpy as np
-from numba import njit
 
 from ..arrays.sorting import sort_stably
+from ..kernels import njit
 
 
 def find_twins(faces, n_vertices):
@@ -56,7 +56,7 @@ def match_half_edges(faces, n_vertices):
     return opposite if bad < 0 else None
 
 
-@njit(cache=True)
+@njit
 def _match(faces, n, oriented):
     """The other half-edge of each, (3m,) int32, and a half-edge without exactly one such; -1 if all have one.
 
@@ -90,7 +90,7 @@ def _match(faces, n, oriented):
     return opposite, -1
 
 
-@njit(cache=True)
+@njit
 def _first_single(tails, h, older, met):
     """The first half-edge of the chain from h on whose other half-edge was not met."""
     while met[max(tails[h], tails[ahead(h)]), 1] != h:
@@ -119,7 +119,7 @@ def group_half_edges(faces, n_vertices):
     return order, _find_starts(low, high, order)
 
 
-@njit(cache=True)
+@njit
 def _find_ends(faces):
     """The smaller and the larger id on each half-edge, two (3m,)."""
     low, high = np.empty(3 * len(faces), np.int64), np.empty(3 * len(faces), np.int64)
@@ -129,7 +129,7 @@ def _find_ends(faces):
     return low, high
 
 
-@njit(cache=True)
+@njit
 def _find_starts(low, high, order):
     starts, count = np.zeros(len(order) + 1, np.int64), 0
     for i in range(1, len(order) + 1):
@@ -157,25 +157,25 @@ def pair_half_edges(order):
     return opposite
 
 
-@njit(cache=True, inline="always")
+@njit(inline="always")
 def ahead(h):
     """The next half-edge of the same face, without a branch that the processor would mispredict every third time."""
     return h + 1 - 3 * (h % 3 == 2)
 
 
-@njit(cache=True, inline="always")
+@njit(inline="always")
 def behind(h):
     """The half-edge before, of the same face."""
     return h - 1 + 3 * (h % 3 == 0)
 
 
-@njit(cache=True, inline="always")
+@njit(inline="always")
 def head_of(corners, h):
     """The vertex at which half-edge h ends; `corners` (3 m,) are the vertices at which they start."""
     return corners[ahead(h)]
 
 
-@njit(cache=True, inline="always")
+@njit(inline="always")
 def turn_around(twins, h):
     """The half-edge that leaves the same vertex in the neighbouring face."""
     return twins[behind(h)]

@@ -8,10 +8,10 @@ from dataclasses import asdict
 
 import numpy as np
 import pyarrow as pa
-from numba import njit
 from numpy.typing import ArrayLike
 
 from ..errors import UnionError
+from ..kernels import njit
 from ..table_checks import build_table
 from . import unions
 from .orders import sort_faces
@@ -208,7 +208,7 @@ def _tabulate(surface, inspection):
     }
 
 
-@njit(cache=True)
+@njit
 def _label_vertices(faces, label, n):
     """The label (m,) of the faces around each of n vertices, (n,) int32."""
     of_vertex = np.empty(n, np.int32)

@@ -3,7 +3,8 @@
 from fractions import Fraction
 
 import numpy as np
-from numba import njit
+
+from ..kernels import njit
 
 
 def orient_faces(faces, turned):
@@ -27,7 +28,7 @@ def orient_faces(faces, turned):
     return wound
 
 
-@njit(cache=True)
+@njit
 def _turn_over(faces, turned):
     for f in range(len(faces)):
         if turned[f]:
@@ -59,7 +60,7 @@ def measure_shells(points, faces, shell, n_shells):
     return areas, volumes
 
 
-@njit(cache=True)
+@njit
 def _sum_faces(points, faces, shell, n_shells):
     """Area, signed volume, what went into the volume in absolute numbers, and faces of each shell."""
     centre, counts = np.empty((n_shells, 3)), np.zeros(n_shells, np.int64)
@@ -82,12 +83,12 @@ def _sum_faces(points, faces, shell, n_shells):
     return areas, volumes, sizes, counts
 
 
-@njit(cache=True)
+@njit
 def _spoke(points, one, centres, other):
     return points[one, 0] - centres[other, 0], points[one, 1] - centres[other, 1], points[one, 2] - centres[other, 2]
 
 
-@njit(cache=True)
+@njit
 def _cross(ax, ay, az, bx, by, bz):
     return ay * bz - az * by, az * bx - ax * bz, ax * by - ay * bx
 
@@ -108,7 +109,7 @@ def count_collinear(points, faces):
     return _count_collinear(points, np.ascontiguousarray(faces, np.int32))
 
 
-@njit(cache=True)
+@njit
 def _count_collinear(points, faces):
     count = 0
     for f in range(len(faces)):

@@ -1,8 +1,8 @@
 """One vertex for all corners at one position, or within a tolerance of each other."""
 
 import numpy as np
-from numba import njit
 
+from ..kernels import njit
 from .orders import height_order
 
 
@@ -37,7 +37,7 @@ def merge_exactly(points, faces):
     return np.take(positions, order, axis=0), np.take(rank, number, out=number, mode="clip")
 
 
-@njit(cache=True)
+@njit
 def _find_positions(points, faces, size):
     """The positions that faces use, without -0.0, and the number of each corner's (m, 3), by a hash table.
 
@@ -75,7 +75,7 @@ def _find_positions(points, faces, size):
     return count, positions, number
 
 
-@njit(cache=True, inline="always")
+@njit(inline="always")
 def _unsigned(bits):
     return np.uint64(0) if bits == np.uint64(1 << 63) else bits
 

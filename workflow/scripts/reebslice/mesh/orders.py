@@ -1,9 +1,9 @@
 """Canonical orders of vertices by height, of faces and of their corners."""
 
 import numpy as np
-from numba import njit
 
 from ..arrays.sorting import find_starts, sort_by_counting
+from ..kernels import njit
 
 
 def height_order(points):
@@ -28,7 +28,7 @@ def height_order(points):
     return order.astype(np.int32)
 
 
-@njit(cache=True)
+@njit
 def _order_few(order, points):
     """Put vertices in order where few tie in height, by insertion; returns the places in `order` where many do."""
     many, count, start = np.empty(len(order), np.int64), 0, 0
@@ -49,7 +49,7 @@ def _order_few(order, points):
     return many[:count].copy()
 
 
-@njit(cache=True, inline="always")
+@njit(inline="always")
 def _vertex_comes_after(points, v, w):
     """Whether v comes after w, of the same height."""
     if points[v, 0] != points[w, 0]:
@@ -76,7 +76,7 @@ def canonical_faces(faces, rank):
     return _sort_faces(np.ascontiguousarray(faces, dtype=np.int32), np.ascontiguousarray(rank, dtype=np.int32))
 
 
-@njit(cache=True)
+@njit
 def _sort_faces(faces, rank):
     turned = np.empty(faces.shape, np.int32)
     for f in range(len(faces)):
@@ -89,7 +89,7 @@ def _sort_faces(faces, rank):
     return sort_faces(turned, len(rank))
 
 
-@njit(cache=True)
+@njit
 def sort_faces(faces, n):
     """Sort faces lexicographically: by counting on the first corner, then the few faces that share it.
 
@@ -115,7 +115,7 @@ def sort_faces(faces, n):
     return out
 
 
-@njit(cache=True)
+@njit
 def _sort_fan(faces, first, end):
     """Shell's sort of the faces from `first` up to `end` by their second corner: far from quadratic in a large fan."""
     gap = end - first
@@ -151,7 +151,7 @@ def order_corners(faces, n_vertices):
     return _turn_corners(_order_triples(*keys, n_vertices), first)
 
 
-@njit(cache=True)
+@njit
 def _sort_corners(faces):
     """Of each face the corner of its smallest id; its ids, ascending, the last doubled, plus 1 if it runs 0, 2, 1."""
     m = len(faces)
@@ -165,7 +165,7 @@ def _sort_corners(faces):
     return first, low, middle, high
 
 
-@njit(cache=True)
+@njit
 def _order_triples(a, b, c, bound):
     """Argsort, stable and lexicographic, of triples: by counting on `a`, below `bound`, then of the few with it."""
     order, ends = sort_by_counting(a, np.arange(len(a), dtype=np.int32), bound)
@@ -176,7 +176,7 @@ def _order_triples(a, b, c, bound):
     return order
 
 
-@njit(cache=True)
+@njit
 def _sort_few(order, begin, end, b, c):
     """Shell's sort of order[begin:end] by (b, c, itself): far from quadratic where they are many."""
     gap = end - begin
@@ -190,14 +190,14 @@ def _sort_few(order, begin, end, b, c):
             order[place] = i
 
 
-@njit(cache=True, inline="always")
+@njit(inline="always")
 def _corner_comes_after(i, j, b, c):
     if b[i] != b[j]:
         return b[i] > b[j]
     return c[i] > c[j] or (c[i] == c[j] and i > j)
 
 
-@njit(cache=True)
+@njit
 def _turn_corners(rows, first):
     """The corners (m, 3) int32 of the faces `rows`, beginning at their corners `first`."""
     corners = np.empty((len(rows), 3), np.int32)

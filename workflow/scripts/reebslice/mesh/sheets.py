@@ -7,14 +7,14 @@ then share positions, but no faces; here each gets vertices of its own.
 import itertools
 
 import numpy as np
-from numba import njit
 
 from ..arrays.components import find, join
 from ..arrays.sorting import sort_stably
+from ..kernels import njit
 from .half_edges import ahead, behind, group_half_edges
 
 
-@njit(cache=True)
+@njit
 def label_components(faces, opposite):
     """Label the connected components of a closed surface, and find how they are wound.
 
@@ -48,7 +48,7 @@ def label_components(faces, opposite):
     return component, np.zeros(len(faces), np.bool_), -1
 
 
-@njit(cache=True)
+@njit
 def _walk_components(faces, opposite):
     """The same, walking over the faces from neighbour to neighbour, whichever way they are wound."""
     n_faces = len(faces)
@@ -103,7 +103,7 @@ def find_conflict(glued):
     return int(_walk_components(glued.faces, opposite)[2])
 
 
-@njit(cache=True)
+@njit
 def label_corners(faces, opposite):
     """Label the corners of a closed surface by vertex.
 
@@ -164,7 +164,7 @@ def split_pinches(faces, opposite, component, n_vertices):
     return number[fans].reshape(-1, 3), vertex[firsts]
 
 
-@njit(cache=True)
+@njit
 def _has_single_fans(tails, opposite, n):
     """Tell whether each of n vertices has one cycle of corners around it."""
     degree, some = np.zeros(n, np.int32), np.empty(n, np.int32)

@@ -8,7 +8,8 @@ where they are clockwise (it encloses a void).
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
+
+from ..kernels import njit
 
 SAMPLES = 33  # faces of a shell that vote on what it is inside
 CLEAR = 1e-6  # of the shell's extent, how far from its faces it votes
@@ -55,7 +56,7 @@ def find_enclosing(points, faces, shell, n_shells):
     return enclosing
 
 
-@njit(cache=True)
+@njit
 def _find_boxes(points, faces, shell, n_shells):
     """The lowest and the highest coordinates of each shell, two (s, 3)."""
     low, high = np.full((n_shells, 3), np.inf), np.full((n_shells, 3), -np.inf)
@@ -97,7 +98,7 @@ def _count_votes(points, faces, groups):
     )
 
 
-@njit(cache=True)
+@njit
 def _edge_crosses(points, i, j, px, py):
     # Ends in the order of their ids: both faces of a mesh edge then compute
     # the same number, and the ray passes it on the same side for both.
@@ -110,7 +111,7 @@ def _edge_crosses(points, i, j, px, py):
     return ya + (yb - ya) * ((px - xa) / (xb - xa)) > py
 
 
-@njit(cache=True)
+@njit
 def _height_on_face(points, face, px, py):
     ax, ay, az = points[face[0]]
     bx, by, bz = points[face[1]]
@@ -127,7 +128,7 @@ def _height_on_face(points, face, px, py):
     return z, z
 
 
-@njit(cache=True)
+@njit
 def cast_rays(points, faces, queries, margin):
     """Tell which points are inside a closed surface, by the parity of the faces above them.
 

@@ -11,9 +11,9 @@ numbered as :mod:`loop_cuts` says.
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 
 from ..arrays.components import find
+from ..kernels import njit
 from .loop_cuts import code_of_node, divert, number_nodes
 
 
@@ -57,7 +57,7 @@ class MergeTree(NamedTuple):
     children: np.ndarray
 
 
-@njit(cache=True)
+@njit
 def find_gates(faces, twins, n):
     """Find a way down and a way up through each wedge of every link.
 
@@ -119,7 +119,7 @@ def merge_components(faces, gates, nodes, cuts, upward):
     return _merge(_step_back(near, nodes, number_nodes(nodes, cuts), cuts.top, behind_cuts, upward), upward)
 
 
-@njit(cache=True)
+@njit
 def _neighbours(faces, gates, upward):
     """The vertex behind each gate, (n, 2) int32, -1 for none."""
     near, ends = np.empty(gates.shape, np.int32), faces.ravel()
@@ -130,7 +130,7 @@ def _neighbours(faces, gates, upward):
     return near
 
 
-@njit(cache=True)
+@njit
 def _step_back(near, nodes, number, top, behind_cuts, upward):
     """A node of the component that a sweep finds behind each gate of each node, (N, 2) int32, -1 for none.
 
@@ -158,7 +158,7 @@ def _step_back(near, nodes, number, top, behind_cuts, upward):
     return behind
 
 
-@njit(cache=True)
+@njit
 def _merge(behind, upward):
     """The merge tree of nodes behind whose gates `behind` (N, 2) lie, by union-find."""
     n = len(behind)
@@ -181,7 +181,7 @@ def _merge(behind, upward):
     return MergeTree(following, children)
 
 
-@njit(cache=True)
+@njit
 def prune_leaves(up, down):
     """Build the contour tree from both merge trees, leaf by leaf.
 
@@ -243,7 +243,7 @@ def prune_leaves(up, down):
     return arcs[:found]
 
 
-@njit(cache=True)
+@njit
 def choose_gates(arcs, children):
     """Tell through which upper gate of its lower node each arc of the contour tree leaves.
 

@@ -1,7 +1,8 @@
 """Critical points of the height on a surface: their indices and how many there are."""
 
 import numpy as np
-from numba import njit
+
+from ..kernels import njit
 
 
 def vertex_indices(mesh):
@@ -31,7 +32,7 @@ def vertex_indices(mesh):
     return _count_indices(mesh.faces, len(mesh.points))
 
 
-@njit(cache=True)
+@njit
 def _count_indices(faces, n):
     """Vertex indices from faces that have their lowest corner first."""
     twice = np.full(n, 2, np.int32)
@@ -86,7 +87,7 @@ def count_critical_points(points, faces):
     }
 
 
-@njit(cache=True)
+@njit
 def _find_indices(points, faces):
     """Index of every vertex, (n,) int32, and whether it is the lowest corner of some face, (n,) bool."""
     twice, is_lowest = np.full(len(points), 2, np.int32), np.zeros(len(points), np.bool_)
@@ -103,7 +104,7 @@ def _find_indices(points, faces):
     return twice // 2, is_lowest
 
 
-@njit(cache=True, inline="always")
+@njit(inline="always")
 def _is_below(points, v, w):
     """Whether vertex v comes before w in the order of (z, x, y, id)."""
     if points[v, 2] != points[w, 2]:

@@ -12,8 +12,8 @@ above it. So the cut's vertex itself is node cuts.top[j] + 2.
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 
+from ..kernels import njit
 from .ordered_mesh import next_half_edge
 
 
@@ -96,7 +96,7 @@ def cut_loops(mesh, gates, nodes, loose):
     return Cuts(vertex, top.astype(np.int32), first, half_edge[order], cut[order])
 
 
-@njit(cache=True)
+@njit
 def _measure_cuts(faces, twins, into, saddles):
     """Crossings of the shorter contour below each saddle, 0 if there is but one; its first half-edge."""
     length, start = np.zeros(len(saddles), np.int64), np.full(len(saddles), np.int32(-1))
@@ -116,7 +116,7 @@ def _measure_cuts(faces, twins, into, saddles):
     return length, start
 
 
-@njit(cache=True)
+@njit
 def _walk_cuts(faces, twins, vertex, first, total):
     """The half-edges that the cuts cross, cut after cut, `total` of them."""
     out, place = np.empty(total, np.int32), 0
@@ -131,7 +131,7 @@ def _walk_cuts(faces, twins, vertex, first, total):
     return out
 
 
-@njit(cache=True, inline="always")
+@njit(inline="always")
 def code_of_node(node):
     """Code the node of a cut so that it is told from a vertex (>= 0) and from none (-1).
 
@@ -148,7 +148,7 @@ def code_of_node(node):
     return -2 - node
 
 
-@njit(cache=True)
+@njit
 def divert(near, faces, gates, cuts, upward):
     """Stop the ways from vertex to vertex at the cuts that they cross.
 
@@ -188,7 +188,7 @@ def divert(near, faces, gates, cuts, upward):
     return behind
 
 
-@njit(cache=True, inline="always")
+@njit(inline="always")
 def _code_of_cut(top, upward):
     """Code of the node of a cut that a sweep comes from: upward, the one above the cut."""
     return code_of_node(top + 1 if upward else top)

@@ -19,8 +19,8 @@ Graphics 9 (1990), doi:10.1145/77635.77639
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 
+from ..kernels import njit
 from ..mesh.half_edges import find_twins
 from ..mesh.orders import canonical_faces, height_order
 
@@ -70,7 +70,7 @@ def tilt_points(points, rotation):
     return _rotate(np.ascontiguousarray(points, dtype=float), np.ascontiguousarray(rotation, dtype=float))
 
 
-@njit(cache=True)
+@njit
 def _rotate(points, rotation):
     out = np.empty(points.shape)
     for i in range(points.shape[0]):
@@ -112,7 +112,7 @@ def order_by_height(points, faces, rotation):
     return HeightMesh(_pick_rows(tilted, vertex), faces, find_twins(faces, len(vertex)), vertex)
 
 
-@njit(cache=True)
+@njit
 def _pick_rows(points, chosen):
     """points[chosen], several times as fast for rows of three."""
     out = np.empty((len(chosen), 3))
@@ -122,7 +122,7 @@ def _pick_rows(points, chosen):
     return out
 
 
-@njit(cache=True, inline="always")
+@njit(inline="always")
 def next_half_edge(faces, twins, h, cut):
     """Follow a contour from one crossing to the next, material on its left.
 
@@ -145,7 +145,7 @@ def next_half_edge(faces, twins, h, cut):
     return 3 * face + ((corner + 1) % 3 if faces[face, (corner + 2) % 3] >= cut else (corner + 2) % 3)
 
 
-@njit(cache=True, inline="always")
+@njit(inline="always")
 def cross_at(low, high, z, x, y):
     """Find where a mesh edge meets a plane; positions only, which edges cross is decided on ranks.
 

@@ -15,10 +15,10 @@ doi:10.1007/s00454-006-1265-8
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 
 from ..arrays.components import find
 from ..arrays.grouping import list_incidence
+from ..kernels import njit
 
 
 class ExtendedPairs(NamedTuple):
@@ -63,7 +63,7 @@ def extended_pairs(n_nodes, arcs):
     return _extended_pairs(np.ascontiguousarray(arcs, np.int32).reshape(-1, 2), n_nodes)
 
 
-@njit(cache=True)
+@njit
 def _pair_components(arcs, incident, upward):
     """Pairs (p, 2) by the elder rule, loops that each node closes (n,), and for each node one nearer the oldest."""
     start, member, n = incident.start, incident.member, len(incident.start) - 1
@@ -89,7 +89,7 @@ def _pair_components(arcs, incident, upward):
     return pairs[:found], closed, root
 
 
-@njit(cache=True)
+@njit
 def _pair_extremes(root):
     """The lowest node of each component, to which `root` leads, and its highest."""
     pairs, found, met = np.empty((len(root), 2), np.int32), 0, np.zeros(len(root), np.bool_)
@@ -102,7 +102,7 @@ def _pair_extremes(root):
     return pairs[:found]
 
 
-@njit(cache=True)
+@njit
 def _pair_loops(arcs, incident, closed):
     """Bottom and top of every loop; closed : (n,) loops of which each node is the top.
 
@@ -131,7 +131,7 @@ def _pair_loops(arcs, incident, closed):
     return pairs
 
 
-@njit(cache=True)
+@njit
 def _extended_pairs(arcs, n):
     """The :class:`ExtendedPairs`, in one call."""
     incident = list_incidence(arcs, n)

@@ -1,8 +1,8 @@
 """Multiple saddles taken apart, in the half-edges around them; the rest of a mesh is only renumbered."""
 
 import numpy as np
-from numba import njit
 
+from ..kernels import njit
 from ..table_checks import build_table
 from .critical_points import vertex_indices
 from .ordered_mesh import HeightMesh, cross_at
@@ -34,7 +34,7 @@ def _extended(rows, more, width):
     return out
 
 
-@njit(cache=True)
+@njit
 def _corners_at(faces, vertices, n):
     """One corner, as the half-edge from it, at each vertex."""
     wanted, corner = np.full(n, np.int32(-1)), np.empty(len(vertices), np.int32)
@@ -46,7 +46,7 @@ def _corners_at(faces, vertices, n):
     return corner
 
 
-@njit(cache=True)
+@njit
 def _split_all(points, faces, twins, saddles, corner, m, n_copies):
     """Split saddles in place, faces from number m on being free; returns the saddle of each copy, and changed faces."""
     n, count = len(points), 0
@@ -64,7 +64,7 @@ def _split_all(points, faces, twins, saddles, corner, m, n_copies):
     return origin, np.array(changed)
 
 
-@njit(cache=True)
+@njit
 def _link(faces, twins, start):
     """The link of the vertex that half-edge `start` leaves, counter-clockwise from outside, smallest id first.
 
@@ -81,7 +81,7 @@ def _link(faces, twins, start):
     return np.roll(np.array(link), -first), np.roll(np.array(spokes), -first)
 
 
-@njit(cache=True)
+@njit
 def _embeddable_wedge(points, origin, link, vertex):
     """Places in the link of the last vertex below an upper wedge and of the first one behind it.
 
@@ -106,7 +106,7 @@ def _embeddable_wedge(points, origin, link, vertex):
     return i, (j + 1) % degree
 
 
-@njit(cache=True)
+@njit
 def _last_of(upper, i):
     """The last place of the run of upper vertices behind place i."""
     while upper[(i + 1) % len(upper)]:
@@ -114,14 +114,14 @@ def _last_of(upper, i):
     return i % len(upper)
 
 
-@njit(cache=True)
+@njit
 def _zero_angle(points, vertex, low, high):
     x0, y0, z0 = points[vertex]
     x, y = cross_at(points[low], points[high], z0, x0, y0)
     return np.arctan2(y - y0, x - x0)
 
 
-@njit(cache=True)
+@njit
 def _split(faces, twins, link, spokes, wedge, copy, new, changed):
     """Give the fan of a vertex from the first to the last place of its link in `wedge` to `copy`, a vertex just below.
 
@@ -148,7 +148,7 @@ def _split(faces, twins, link, spokes, wedge, copy, new, changed):
     return spokes[end]
 
 
-@njit(cache=True)
+@njit
 def _renumber(faces, twins, rank, changed, m):
     """Faces in terms of ranks, in lexicographic order again, and their twins.
 
@@ -221,7 +221,7 @@ def unfoldings_table(mesh, below):
     return build_table("unfoldings", columns | {"unfolding": np.arange(len(copies)), "rank": copies})
 
 
-@njit(cache=True)
+@njit
 def _wedges_of(faces, twins, vertex, copies, corner):
     """First and last vertex of the wedge of each copy, counter-clockwise: of its upper neighbours other than copies."""
     first, last = np.empty(len(copies), np.int64), np.empty(len(copies), np.int64)

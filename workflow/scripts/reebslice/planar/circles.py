@@ -3,8 +3,8 @@
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 
+from ..kernels import njit
 from .distances import square_distance
 from .outline_runs import Square, divide_outline, is_inside
 
@@ -85,7 +85,7 @@ def largest_circles(outlines, tolerance):
     return _largest_circles(outlines, tolerance)
 
 
-@njit(cache=True)
+@njit
 def _largest_circles(outlines, tolerance):
     """Kernel of `largest_circles`."""
     start = outlines.start
@@ -99,7 +99,7 @@ def _largest_circles(outlines, tolerance):
     return centre, radius
 
 
-@njit(cache=True)
+@njit
 def _least_squares(outline, chosen, quarters):
     """Fill in the squares of the distances of the four places to the nearest of the `chosen` runs.
 
@@ -130,7 +130,7 @@ def _least_squares(outline, chosen, quarters):
                 bound[q] = min(bound[q], np.sqrt(out[q]) * (1.0 + 1e-9))
 
 
-@njit(cache=True, inline="always")
+@njit(inline="always")
 def _comes_near(x, y, to_x, to_y, bound, reach):
     """Whether one of four places is no further from another one than its bound and what reaches around that."""
     near = False
@@ -140,7 +140,7 @@ def _comes_near(x, y, to_x, to_y, bound, reach):
     return near
 
 
-@njit(cache=True)
+@njit
 def _largest_circle(outline, square, tolerance, pool):
     """The largest circle in one region, and the pool, which holds lists of runs and may have grown."""
     n = len(outline.runs)
@@ -170,19 +170,19 @@ def _largest_circle(outline, square, tolerance, pool):
     return best, pool
 
 
-@njit(cache=True)
+@njit
 def _make_stack():
     """An empty :class:`Stack`; more cells than it holds would be smaller than a float can tell."""
     return Stack(np.empty((256, 4)), np.empty((256, 2), np.int64))
 
 
-@njit(cache=True)
+@njit
 def _make_quarters(n_runs):
     """Room for :class:`Quarters`."""
     return Quarters(np.empty((2, 4)), np.empty(4), np.empty(4), np.arange(n_runs))
 
 
-@njit(cache=True)
+@njit
 def _circle_at(outline, square, quarters):
     """The circle around the middle of the square."""
     quarters.places[0], quarters.places[1] = square.x, square.y
@@ -191,7 +191,7 @@ def _circle_at(outline, square, quarters):
     return Circle(square.x, square.y, radius if is_inside(outline, square.x, square.y) else -radius)
 
 
-@njit(cache=True)
+@njit
 def _gather_runs(outline, pool, begin, stop, cell, distance, close):
     """Gather the runs that may be nearest to something, of those in the list pool[begin:stop].
 
@@ -213,7 +213,7 @@ def _gather_runs(outline, pool, begin, stop, cell, distance, close):
     return kept, n_close
 
 
-@njit(cache=True)
+@njit
 def _measure_quarters(outline, cell, distance, close, quarters):
     """Fill in the middles of the quarters of a cell, and their signed distances to the `close` runs."""
     for q in range(4):
@@ -228,7 +228,7 @@ def _measure_quarters(outline, cell, distance, close, quarters):
             found[q] = -found[q]
 
 
-@njit(cache=True)
+@njit
 def _push_quarters(cell, quarters, stack, height, best, tolerance):
     """Push the quarters that leave room for a larger circle, the most promising last: the best circle, the height."""
     base, places, cells = height, quarters.places, stack.cell

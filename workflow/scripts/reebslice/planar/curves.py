@@ -3,7 +3,8 @@
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
+
+from ..kernels import njit
 
 
 class Curves(NamedTuple):
@@ -42,7 +43,7 @@ def pick_curves(curves, chosen):
     return Curves(_pick(curves, chosen, start), start)
 
 
-@njit(cache=True)
+@njit
 def _pick(curves, chosen, fill):
     """Points of the chosen curves, which begin at `fill`."""
     points, start = curves.points, curves.start
@@ -53,7 +54,7 @@ def _pick(curves, chosen, fill):
     return picked
 
 
-@njit(cache=True)
+@njit
 def curve_centres(points, start):
     """Find the centroids of curves as lines.
 
@@ -86,7 +87,7 @@ def curve_centres(points, start):
     return centre
 
 
-@njit(cache=True)
+@njit
 def signed_area(points):
     """Measure the signed area that a ring encloses.
 

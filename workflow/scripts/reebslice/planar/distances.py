@@ -1,7 +1,8 @@
 """Distances to the outlines of regions."""
 
 import numpy as np
-from numba import njit
+
+from ..kernels import njit
 
 
 def clearances(outlines, points):
@@ -22,7 +23,7 @@ def clearances(outlines, points):
     return _clearances(outlines, np.ascontiguousarray(points, float))
 
 
-@njit(cache=True)
+@njit
 def nearest_point(points, ring, first, end, x, y):
     """Find the point on an outline that is nearest to a point.
 
@@ -57,7 +58,7 @@ def nearest_point(points, ring, first, end, x, y):
     return distance if inside else -distance, foot_x, foot_y
 
 
-@njit(cache=True, inline="always")
+@njit(inline="always")
 def square_distance(points, i, x, y):
     """Measure the squared distance of a point to a segment.
 
@@ -85,7 +86,7 @@ def square_distance(points, i, x, y):
     return px * px + py * py, along
 
 
-@njit(cache=True, inline="always")
+@njit(inline="always")
 def is_crossed(points, i, x, y):
     """Tell whether the ray from a point to the right crosses a segment.
 
@@ -106,7 +107,7 @@ def is_crossed(points, i, x, y):
     return x < points[i, 0] + (y - y0) / (y1 - y0) * (points[i + 1, 0] - points[i, 0])
 
 
-@njit(cache=True)
+@njit
 def _clearances(outlines, places):
     """Kernel of `clearances`."""
     points, ring, start = outlines.points, outlines.ring, outlines.start

@@ -3,8 +3,8 @@
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 
+from ..kernels import njit
 from .distances import is_crossed
 
 # Runs into which an outline is divided, about.
@@ -40,7 +40,7 @@ class Square(NamedTuple):
     half: float
 
 
-@njit(cache=True)
+@njit
 def divide_outline(points, ring, first, end):
     """Divide an outline into runs.
 
@@ -85,7 +85,7 @@ def divide_outline(points, ring, first, end):
     return DividedOutline(points, runs[:n], box[:n], np.sqrt(longest[:n]) * (1.0 + 1e-9)), square
 
 
-@njit(cache=True)
+@njit
 def is_inside(outline, x, y):
     """Tell whether a point is inside an outline.
 

@@ -4,9 +4,9 @@ from typing import NamedTuple
 
 import numpy as np
 import shapely
-from numba import njit
 
 from ..arrays.grouping import split_into_blocks
+from ..kernels import njit
 from .curves import Curves, pick_curves, signed_area
 
 # Points of polygons that are looked at together; with more, time goes into fetching memory.
@@ -162,7 +162,7 @@ def outline_areas(outlines):
     return _outline_areas(outlines)
 
 
-@njit(cache=True)
+@njit
 def _outline_areas(outlines):
     """Kernel of `outline_areas`."""
     points, ring, start, hole = outlines.points, outlines.ring, outlines.start, outlines.hole
@@ -198,7 +198,7 @@ def measure_outlines(outlines):
     return _measure_outlines(outlines)
 
 
-@njit(cache=True)
+@njit
 def _measure_outlines(outlines):
     """Kernel of `measure_outlines`."""
     points, ring, start, hole = outlines.points, outlines.ring, outlines.start, outlines.hole

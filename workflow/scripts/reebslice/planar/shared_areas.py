@@ -8,9 +8,9 @@ below each other as a whole, and only the others have to be walked along.
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 
 from ..arrays.grouping import Groups, group_items
+from ..kernels import njit
 from .curves import signed_area
 
 # Segments of an outline per column, about.
@@ -86,7 +86,7 @@ def shared_areas(outlines, one, other):
     return _shared_areas(outlines, np.asarray(one, np.int64), np.asarray(other, np.int64))
 
 
-@njit(cache=True)
+@njit
 def _shared_areas(outlines, one, other):
     """Kernel of `shared_areas`."""
     points, ring, start, hole = outlines.points, outlines.ring, outlines.start, outlines.hole
@@ -108,7 +108,7 @@ def _shared_areas(outlines, one, other):
     return area
 
 
-@njit(cache=True)
+@njit
 def _shared_area(points, sign, one, other, patience):
     """The area that two regions share, from their strands; NaN if it takes more than so many steps."""
     reach, way, first, order = one.reach, one.way, one.of_column.start, one.of_column.member
@@ -140,7 +140,7 @@ def _shared_area(points, sign, one, other, patience):
     return total if abs(total) > ROUNDING * size else 0.0
 
 
-@njit(cache=True)
+@njit
 def _region_widths(points, ring, start):
     """Least and largest x of every region, (R, 2)."""
     box = np.empty((len(start) - 1, 2))
@@ -152,7 +152,7 @@ def _region_widths(points, ring, start):
     return box
 
 
-@njit(cache=True)
+@njit
 def _divide_columns(left, right, size):
     """Where the columns from `left` to `right` begin and end, ascending."""
     count = max(1, size // PER_COLUMN)
@@ -164,14 +164,14 @@ def _divide_columns(left, right, size):
     return columns
 
 
-@njit(cache=True)
+@njit
 def _no_strands():
     """Room for strands."""
     nothing = Groups(np.zeros(1, np.int64), np.empty(0, np.int64))
     return Strands(np.empty((256, 5)), np.empty((256, 3), np.int64), nothing)
 
 
-@njit(cache=True)
+@njit
 def _cut_strands(points, ring, first, end, columns, room):
     """The strands of the rings `first` to `end`, written to where other strands had `room`."""
     n, last, reach, way = 0, len(columns) - 1, room.reach, room.way
@@ -199,7 +199,7 @@ def _cut_strands(points, ring, first, end, columns, room):
     return Strands(reach, way, group_items(column[:n], last))
 
 
-@njit(cache=True, inline="always")
+@njit(inline="always")
 def _end_of_stretch(points, begin, last):
     """The last point of the stretch from `begin` on that goes one way in x, or of one upright segment."""
     to_right, stop = points[begin + 1, 0] > points[begin, 0], begin + 1
@@ -212,7 +212,7 @@ def _end_of_stretch(points, begin, last):
     return stop
 
 
-@njit(cache=True, inline="always")
+@njit(inline="always")
 def _enter_columns(points, i, step, left):
     """Begin a walk from point i, or from where the stretch passes x = left."""
     while points[i + step, 0] <= left:
@@ -224,7 +224,7 @@ def _enter_columns(points, i, step, left):
     return Walk(i, x, y, y, y, 0.0)
 
 
-@njit(cache=True, inline="always")
+@njit(inline="always")
 def _column_of(x, columns):
     """The column that x is in."""
     last = len(columns) - 1
@@ -237,7 +237,7 @@ def _column_of(x, columns):
     return c
 
 
-@njit(cache=True, inline="always")
+@njit(inline="always")
 def _cross_column(points, walk, goal, step, limit):
     """Go on to x = limit, the right end of a column, or to the point `goal`."""
     i, x, y = walk.i, walk.x, walk.y
@@ -255,7 +255,7 @@ def _cross_column(points, walk, goal, step, limit):
     return Walk(i, x, y, low, high, below)
 
 
-@njit(cache=True)
+@njit
 def _walk_along(points, i, di, j, dj, low, high):
     """The area below both of two strands from x = low to high, and the number of steps to it.
 

@@ -3,9 +3,9 @@
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 
 from ..arrays.components import find, join
+from ..kernels import njit
 
 
 class Blocks(NamedTuple):
@@ -24,7 +24,7 @@ class Blocks(NamedTuple):
     of_piece: np.ndarray
     above: np.ndarray
     below: np.ndarray
-    count: int
+    count: int  # type: ignore[assignment]  # a method of tuples is called so
 
 
 def find_blocks(pieces, contours, regions, unseen_host):
@@ -55,7 +55,7 @@ def find_blocks(pieces, contours, regions, unseen_host):
     return Blocks(of_piece, above, below, block.max() + 1)
 
 
-@njit(cache=True)
+@njit
 def _join_blocks(r, p, region, piece_above, piece_below, hosts):
     """Union-find over p pieces, then r regions seen from above, then from below: the root of each."""
     root = np.arange(p + 2 * r)
@@ -107,7 +107,7 @@ def host_unseen_voids(mesh, levels, crossings, pieces, surfaces, body_of_vertex)
     return hosts
 
 
-@njit(cache=True)
+@njit
 def _first_face_along_x(points, faces, vertex, body, piece):
     """The first face of the vertex's body, but not of its piece, on a ray along +x from it; -1 for none."""
     x, y, z = points[vertex]

@@ -12,10 +12,10 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 
 from ..arrays.grouping import split_into_blocks
 from ..errors import TooManyCrossingsError
+from ..kernels import njit
 from ..morse.ordered_mesh import cross_at
 from .levels import vertex_slabs
 
@@ -189,7 +189,7 @@ def _sweep_blocks(mesh, levels, crossings, count, blocks):
         yield Contours(level, start, points, edge, ends[edge], ends[edge + 1])
 
 
-@njit(cache=True)
+@njit
 def _first_crossings(faces, slab):
     """How many crossings the faces before each one have, (m + 1,) int64."""
     offset = np.zeros(faces.shape[0] + 1, np.int64)
@@ -198,7 +198,7 @@ def _first_crossings(faces, slab):
     return offset
 
 
-@njit(cache=True)
+@njit
 def _count_crossings(faces, slab, n_levels):
     """Crossings of each level, (K,) int64: faces entered so far less those left."""
     count = np.zeros(n_levels + 1, np.int64)
@@ -208,7 +208,7 @@ def _count_crossings(faces, slab, n_levels):
     return np.cumsum(count)[:-1]
 
 
-@njit(cache=True)
+@njit
 def _trace_levels(mesh, levels, slab, first, end, state, crossings, out):
     """Contours of the levels from `first` up to `end`: their levels, starts and first half-edges.
 
@@ -242,7 +242,7 @@ def _trace_levels(mesh, levels, slab, first, end, state, crossings, out):
     return np.array(level, np.int32), np.array(start, np.int64), np.array(edge, np.int32)
 
 
-@njit(cache=True)
+@njit
 def _move_up(mesh, slab, k, n_levels, state):
     """Let go of the faces that are below level k and take in those that it is the first to cross."""
     faces, twins = mesh.faces, mesh.twins
@@ -281,7 +281,7 @@ def measure_contours(contours):
     return _measure(contours.points, contours.start)
 
 
-@njit(cache=True)
+@njit
 def _measure(points, start):
     """Kernel of `measure_contours`."""
     n = len(start) - 1

@@ -13,8 +13,8 @@ from fractions import Fraction
 from functools import cached_property
 
 import numpy as np
-from numba import njit
 
+from ..kernels import njit
 from ..morse.ordered_mesh import next_half_edge
 
 SPOTS = 5  # points of a contour that tell whether another runs around it
@@ -105,7 +105,7 @@ class ExactContours:
         return self.boxes[contour]
 
 
-@njit(cache=True)
+@njit
 def walk_crossings(faces, twins, start, cut):
     """Walk along a contour.
 

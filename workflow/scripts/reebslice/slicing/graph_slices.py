@@ -7,10 +7,10 @@ the mesh edges climbed, not as the mesh.
 """
 
 import numpy as np
-from numba import njit
 
 from ..arrays.grouping import Groups
 from ..errors import TooManyCrossingsError
+from ..kernels import njit
 from ..morse.ordered_mesh import cross_at, next_half_edge
 from .contours import MOST_CROSSINGS, Contours
 
@@ -90,7 +90,7 @@ def _cross_arcs(mesh, graph, levels):
     return offset, level, _climb(mesh.faces, mesh.twins, levels.below, graph.gates, offset, level)
 
 
-@njit(cache=True)
+@njit
 def _climb(faces, twins, below, gates, offset, level):
     """Go up from each gate: an upward half-edge across every level that is asked for."""
     crossing = np.empty(len(level), np.int32)
@@ -103,7 +103,7 @@ def _climb(faces, twins, below, gates, offset, level):
     return crossing
 
 
-@njit(cache=True)
+@njit
 def _go_up(faces, twins, h):
     """An upward half-edge from the upper end of h, a regular vertex."""
     vertex = faces[h // 3, (h % 3 + 1) % 3]
@@ -114,7 +114,7 @@ def _go_up(faces, twins, h):
         h = twins[h]
 
 
-@njit(cache=True)
+@njit
 def _walk_contours(mesh, levels, level, crossing, most_crossings):
     """First half-edge and number of crossings of contours, until there are too many."""
     faces, twins, below = mesh.faces, mesh.twins, levels.below
@@ -131,7 +131,7 @@ def _walk_contours(mesh, levels, level, crossing, most_crossings):
     return first, length
 
 
-@njit(cache=True)
+@njit
 def _trace_points(mesh, levels, level, first, start):
     """Points (X, 2) of contours from their levels, first half-edges and starts."""
     points, faces, twins = mesh.points, mesh.faces, mesh.twins

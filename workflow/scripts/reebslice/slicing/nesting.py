@@ -1,7 +1,8 @@
 """Which contours of a level lie inside which."""
 
 import numpy as np
-from numba import njit
+
+from ..kernels import njit
 
 FEW = 16  # contours at a level that are all held against each other
 
@@ -40,7 +41,7 @@ def nest_contours(contours, size, perimeter, inner, body, rounding):
     return _nest(contours.level, contours.start, contours.points, size, perimeter, inner, body, rounding)
 
 
-@njit(cache=True)
+@njit
 def _nest(level, start, points, size, perimeter, inner, body, rounding):
     """Kernel of `nest_contours`."""
     n = len(level)
@@ -83,7 +84,7 @@ def _nest(level, start, points, size, perimeter, inner, body, rounding):
     return parent, outer, unsure
 
 
-@njit(cache=True)
+@njit
 def _cut_into_strips(box, chosen, rounding):
     """Vertical strips of equal width; members[strips[s]:strips[s + 1]] are the chosen contours in strip s, in order.
 
@@ -111,19 +112,19 @@ def _cut_into_strips(box, chosen, rounding):
     return left, scale, strips, members
 
 
-@njit(cache=True, inline="always")
+@njit(inline="always")
 def _range_of_strips(box, rounding, left, scale, count):
     """The first strip that a box is in, and the end."""
     return _strip_of(box[0] - rounding, left, scale, count), _strip_of(box[2] + rounding, left, scale, count) + 1
 
 
-@njit(cache=True, inline="always")
+@njit(inline="always")
 def _strip_of(x, left, scale, count):
     """The strip that x is in, ascending with x."""
     return int(min(max((x - left) * scale, 0.0), count - 1.0))
 
 
-@njit(cache=True, inline="always")
+@njit(inline="always")
 def _find_probe(points, start, box, c, probe, probed):
     """Fill in the point inside contour c, once."""
     if not probed[c]:
@@ -131,7 +132,7 @@ def _find_probe(points, start, box, c, probe, probed):
         probed[c] = True
 
 
-@njit(cache=True)
+@njit
 def _boxes(points, start):
     """Smallest x, y and largest x, y of every contour, (C, 4)."""
     box = np.empty((len(start) - 1, 4))
@@ -145,7 +146,7 @@ def _boxes(points, start):
     return box
 
 
-@njit(cache=True, inline="always")
+@njit(inline="always")
 def _may_enclose(box, other, rounding):
     """Whether two boxes meet, but for rounding."""
     return (
@@ -154,7 +155,7 @@ def _may_enclose(box, other, rounding):
     )  # fmt: skip
 
 
-@njit(cache=True)
+@njit
 def _point_inside(ring, middle):
     """The middle of the widest stretch inside a ring on a line halfway up.
 
@@ -187,7 +188,7 @@ def _point_inside(ring, middle):
     return x, (y if widest > 0.0 else y_longest)
 
 
-@njit(cache=True, inline="always")
+@njit(inline="always")
 def _encloses(ring, x, y, rounding):
     """Whether a ring runs around (x, y), and whether it passes it within `rounding`."""
     inside = False

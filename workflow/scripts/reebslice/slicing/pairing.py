@@ -9,10 +9,10 @@ sublevel and superlevel sets that the surface has.
 """
 
 import numpy as np
-from numba import njit
 
 from ..arrays.components import find
 from ..arrays.grouping import list_incidence
+from ..kernels import njit
 
 
 def pair_in_slabs(graph, of_arcs):
@@ -35,7 +35,7 @@ def pair_in_slabs(graph, of_arcs):
     return _pair_nodes(graph.arcs, list_incidence(graph.arcs, len(graph.nodes)), of_arcs)
 
 
-@njit(cache=True)
+@njit
 def _pair_nodes(arcs, incidence, of_arcs):
     """Kernel of `pair_in_slabs`: a union-find over nodes and contours for each of the two sweeps.
 

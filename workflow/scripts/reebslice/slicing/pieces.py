@@ -8,10 +8,10 @@ where its arcs cross levels, gives the pieces without a look at the mesh.
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 
 from ..arrays.components import find, join
 from ..arrays.grouping import Groups, group_items, group_of_members
+from ..kernels import njit
 from .levels import vertex_slabs
 from .pairing import pair_in_slabs
 
@@ -129,7 +129,7 @@ def _group_ranks(piece, ranks, count):
     return Groups(places.start, ranks[places.member])
 
 
-@njit(cache=True)
+@njit
 def _join_pieces(arcs, of_arcs, k, c):
     """Union-find over k nodes, then c contours seen from below, then from above: the root of each."""
     offset, contour = of_arcs.start, of_arcs.member
@@ -191,7 +191,7 @@ def _renumber(pieces, order, name):
     return Pieces(slab, name[pieces.of_node], above, below, n_below, n_above, euler, genus, critical)
 
 
-@njit(cache=True)
+@njit
 def _first_members(piece, count):
     """The place of the first member of every piece."""
     first = np.empty(count, np.int64)
@@ -200,7 +200,7 @@ def _first_members(piece, count):
     return first
 
 
-@njit(cache=True)
+@njit
 def _spread_pieces(faces, slab, crossings, piece_above, of_vertex):
     """Fill in the pieces of vertices, which are known (not -1) for minima.
 
@@ -216,7 +216,7 @@ def _spread_pieces(faces, slab, crossings, piece_above, of_vertex):
                 of_vertex[v] = of_vertex[a] if steps == 0 else piece_above[label[offset[f] + steps - 1]]
 
 
-@njit(cache=True, inline="always")
+@njit(inline="always")
 def _below_height(z, z0, z1, z2, x0, x1, x2):
     """Share of a triangle's area below z, and of its area times x."""
     if z >= z2:
@@ -232,7 +232,7 @@ def _below_height(z, z0, z1, z2, x0, x1, x2):
     return 1.0 - share, (x0 + x1 + x2) / 3.0 - share * (x2 + (t0 * (x0 - x2) + t1 * (x1 - x2)) / 3.0)
 
 
-@njit(cache=True)
+@njit
 def _measure_pieces(mesh, slab, ceiling, crossings, piece_above, of_vertex, count):
     """Area and flux of (x, 0, 0) of every piece, face by face, slab by slab; ceiling : (K + 1,) tops of the slabs."""
     points, faces, offset, label = mesh.points, mesh.faces, crossings.offset, crossings.label

@@ -14,9 +14,9 @@ American Mathematical Monthly 77 (1970)
 """
 
 import numpy as np
-from numba import njit
 from numpy.typing import ArrayLike
 
+from ..kernels import njit
 from ..mesh.arguments import take_mesh
 from ..morse.critical_points import count_critical_points
 from ..morse.ordered_mesh import tilt_points
@@ -209,7 +209,7 @@ def rotation_to_vertical(direction):
     )
 
 
-@njit(cache=True)
+@njit
 def _least_rise(points, faces, x, y, z):
     """The smallest difference of height along (x, y, z) over a side of a face; heights as `tilt_points` sums them."""
     least = np.inf
@@ -221,7 +221,7 @@ def _least_rise(points, faces, x, y, z):
     return least
 
 
-@njit(cache=True)
+@njit
 def _largest_sum(points, x, y, z):
     """The largest sum of magnitudes of the terms of a height along (x, y, z), none negative."""
     largest = 0.0

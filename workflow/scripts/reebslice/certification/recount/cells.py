@@ -7,8 +7,8 @@ pieces are the connected components.
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 
+from ...kernels import njit
 from .components import first_parents, join, number_sets
 
 
@@ -69,7 +69,7 @@ def find_cells(surface, sides, slabs, run, of_vertex, count):
     return Cells(run.faces[0], *_find_cells(surface, sides, slabs, run, vertices, of_vertex, count))
 
 
-@njit(cache=True)
+@njit
 def find_centres(points, corners, shell):
     """Find the middle of the lowest corners of each shell's faces.
 
@@ -93,7 +93,7 @@ def find_centres(points, corners, shell):
     return centre / np.maximum(weight, 1).reshape(-1, 1)
 
 
-@njit(cache=True)
+@njit
 def _find_cells(surface, sides, slabs, run, vertices, of_vertex, count):
     """Columns of :class:`Cells`."""
     start, part = _join_cells(surface, sides, slabs.place, run)
@@ -128,7 +128,7 @@ def _find_cells(surface, sides, slabs, run, vertices, of_vertex, count):
     return start, part, slab, shells, twice // 2, area, flux
 
 
-@njit(cache=True)
+@njit
 def _join_cells(surface, sides, place, run):
     """Where the cells of each face begin, and their sets: a mesh edge joins those of its two faces."""
     origin, end = run.faces
@@ -147,7 +147,7 @@ def _join_cells(surface, sides, place, run):
     return start, part
 
 
-@njit(cache=True)
+@njit
 def _halves(surface, f, centre):
     """What :func:`_below` needs of face f below and above its middle corner, and the area of the face.
 
@@ -172,7 +172,7 @@ def _halves(surface, f, centre):
     return low, high, area
 
 
-@njit(cache=True)
+@njit
 def _below(low, high, z):
     """Of a face the share of its area below height z, and its flux from there down were it even."""
     share, flux = 0.0, 0.0

@@ -1,10 +1,11 @@
 """Connected components by joining sets, compiled: the part that every recount shares."""
 
 import numpy as np
-from numba import njit
+
+from ...kernels import njit
 
 
-@njit(cache=True)
+@njit
 def find_root(parent, i):
     """Find the root of `i`; ways up are halved as they are walked.
 
@@ -24,7 +25,7 @@ def find_root(parent, i):
     return i
 
 
-@njit(cache=True)
+@njit
 def first_parents(n):
     """Trees of one member each: (n,) int32."""
     parent = np.empty(n, np.int32)
@@ -33,7 +34,7 @@ def first_parents(n):
     return parent
 
 
-@njit(cache=True)
+@njit
 def join(parent, a, b):
     """Join two sets; the smaller root becomes that of both, so no root is above its members.
 
@@ -49,7 +50,7 @@ def join(parent, a, b):
         parent[max(a, b)] = min(a, b)
 
 
-@njit(cache=True)
+@njit
 def number_sets(parent):
     """Turn `parent`, in place, into the number of each one's set, by first members; return how many there are."""
     count = 0
@@ -62,7 +63,7 @@ def number_sets(parent):
     return count
 
 
-@njit(cache=True)
+@njit
 def _components(one, two, n):
     """As :func:`find_components`, of int32."""
     parent = first_parents(n)

@@ -7,8 +7,8 @@ two of its sides, and contours are the connected components.
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 
+from ...kernels import njit
 from .components import first_parents, join, number_sets
 
 
@@ -74,7 +74,7 @@ def find_crossings(surface, sides, cut, run):
     return Crossings(run.sides[0], *_find_crossings(surface, sides, cut, run))
 
 
-@njit(cache=True)
+@njit
 def enter_ends(sides, place, run, crossings, name, enters, leaves):
     """Enter the contours at the highest and the lowest crossing of each mesh edge, if those are in the run.
 
@@ -119,7 +119,7 @@ def cross(surface, low, high, height, tie_x, tie_y):
     return _cross_all(surface.points, np.ascontiguousarray(low), np.ascontiguousarray(high), planes)
 
 
-@njit(cache=True)
+@njit
 def _cross_all(points, low, high, planes):
     """As :func:`cross`, of planes (k, 3)."""
     spots = np.empty((len(low), 2))
@@ -128,7 +128,7 @@ def _cross_all(points, low, high, planes):
     return spots
 
 
-@njit(cache=True)
+@njit
 def _line(points, low, high):
     """What :func:`_meet` needs of the mesh edge from `low` up to `high`; ties of height are tilts."""
     axis, column = 2, 0
@@ -138,7 +138,7 @@ def _line(points, low, high):
     return column, start, points[high, axis] - start, x, y, points[high, 0] - x, points[high, 1] - y
 
 
-@njit(cache=True)
+@njit
 def _meet(line, planes, k):
     """Where a mesh edge meets plane k, (height, tie_x, tie_y)."""
     column, start, span, x, y, dx, dy = line
@@ -147,7 +147,7 @@ def _meet(line, planes, k):
     return x + share * dx, y + share * dy
 
 
-@njit(cache=True)
+@njit
 def _find_crossings(surface, sides, cut, run):
     """Columns of :class:`Crossings`."""
     start, part = _join_crossings(surface, sides, cut.place, run)
@@ -181,7 +181,7 @@ def _find_crossings(surface, sides, cut, run):
     return start, part, level, shells, n_points, loose, area, perimeter
 
 
-@njit(cache=True)
+@njit
 def _join_crossings(surface, sides, place, run):
     """Where the crossings of each mesh edge begin, and their sets: a face joins those of its longest side to others."""
     origin, end = run.sides
@@ -198,7 +198,7 @@ def _join_crossings(surface, sides, place, run):
     return start, part
 
 
-@njit(cache=True)
+@njit
 def _of_face(surface, sides, place, f, run):
     """Of a face the levels below its corners, and its mesh edges ab, bc and ac counted from the first of the run."""
     a, b, c = surface.corners[f, 0], surface.corners[f, 1], surface.corners[f, 2]

@@ -4,7 +4,8 @@ from typing import NamedTuple
 
 import numpy as np
 import shapely
-from numba import njit
+
+from ...kernels import njit
 
 # Of a plain line string as well-known binary: little-endian, its type, the number of points, then the points.
 HEAD = np.frombuffer(b"\x01\x02\x00\x00\x00", np.uint8)
@@ -86,7 +87,7 @@ def read_curves(blocks, room=0):
     return Curves(points, first), np.concatenate(drawn) & _are_closed(points, first)
 
 
-@njit(cache=True)
+@njit
 def _copy_points(data, offsets, counts, out, drawn):
     """Bytes of the points to `out`; not drawn is what has another head or another number of points."""
     end = 0
@@ -104,7 +105,7 @@ def _copy_points(data, offsets, counts, out, drawn):
         end += POINT * count
 
 
-@njit(cache=True)
+@njit
 def _are_closed(points, first):
     """Whether each curve ends where it began and has only finite coordinates, (C,)."""
     closed = np.zeros(len(first) - 1, np.bool_)
@@ -118,7 +119,7 @@ def _are_closed(points, first):
     return closed
 
 
-@njit(cache=True)
+@njit
 def measure_curves(points, first):
     """Measure closed curves.
 
@@ -157,7 +158,7 @@ def measure_curves(points, first):
     return area, perimeter, centre, boxes
 
 
-@njit(cache=True)
+@njit
 def distance_between(px, py, qx, qy):
     """Measure the distance from the origin to a segment.
 
@@ -176,7 +177,7 @@ def distance_between(px, py, qx, qy):
     return np.hypot(px + share * dx, py + share * dy)
 
 
-@njit(cache=True)
+@njit
 def pass_spots(points, first, spots, room):
     """Tell whether each curve comes as near as `room` to its spot.
 

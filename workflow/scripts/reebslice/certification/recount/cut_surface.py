@@ -13,8 +13,8 @@ crossings there are.
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 
+from ...kernels import njit
 from .cells import Slabs, find_cells, find_centres
 from .crossings import Cut, Run, enter_ends, find_crossings
 
@@ -160,7 +160,7 @@ def _runs(surface, sides, place, n, more):
             first, held = k, 0
 
 
-@njit(cache=True)
+@njit
 def _count_open(place, lower, upper, n, more):
     """How many of what reaches from `lower` to `upper` meet each level or slab."""
     rises = np.zeros(n + 2, np.int64)
@@ -170,7 +170,7 @@ def _count_open(place, lower, upper, n, more):
     return np.cumsum(rises)
 
 
-@njit(cache=True)
+@njit
 def _window(place, lower, upper, begin, end, first, last, more):
     """The range after (begin, end) that holds all that meet first..last-1."""
     while begin < len(lower) and place[upper[begin]] + more <= first:

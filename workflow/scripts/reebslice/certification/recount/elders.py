@@ -6,8 +6,8 @@ spanning tree; the tables come from a vertex by vertex sweep instead.
 """
 
 import numpy as np
-from numba import njit
 
+from ...kernels import njit
 from .components import find_root, first_parents
 from .surface import copies
 
@@ -30,7 +30,7 @@ def essential_points(surface, sides, recount=None):
     """
     n = len(surface.points)
     if recount is None:
-        n_contours, enters, leaves = 0, *[np.empty(0, np.int32)] * 2
+        n_contours, enters, leaves = 0, np.empty(0, np.int32), np.empty(0, np.int32)
     else:
         enters, leaves, n_contours = recount.enters, recount.leaves, len(recount.anchored)
     ends, plain = (sides.lower, sides.upper), surface.index < 0
@@ -63,7 +63,7 @@ def elder_pairs(earlier, later, n, n_contours):
     return _elder_pairs(np.ascontiguousarray(earlier), later.copy(), gate, order, np.zeros(n, bool), n_contours, True)
 
 
-@njit(cache=True)
+@njit
 def _elder_pairs(earlier, later, gate, order, plain, n_contours, upward):
     """The same of links in the `order` of the sweep, or where that is empty from last to first, upward or down.
 

@@ -7,7 +7,8 @@ guess.
 
 import numpy as np
 import shapely
-from numba import njit
+
+from ...kernels import njit
 
 
 class ContourNesting:
@@ -175,7 +176,7 @@ def find_parents(nest):
     return parent, unsure
 
 
-@njit(cache=True)
+@njit
 def _find_near(order, boxes, level, size, slack, room):
     """Pairs (contour, other) of one level, other not smaller, with boxes that meet or lie in one another.
 
@@ -198,7 +199,7 @@ def _find_near(order, boxes, level, size, slack, room):
     return np.array(one), np.array(two)
 
 
-@njit(cache=True)
+@njit
 def _count_inside(points, first, contour, other, room):
     """Of the middles of some 64 segments of one closed curve further than `room` from another, how many are inside.
 

@@ -1,10 +1,11 @@
 """Figures of a surface as a whole and of its shells, counted again."""
 
 import numpy as np
-from numba import njit
+
+from ...kernels import njit
 
 
-@njit(cache=True)
+@njit
 def least_rise(points, lower, upper):
     """Find the smallest difference of height over mesh edges.
 
@@ -24,7 +25,7 @@ def least_rise(points, lower, upper):
     return least
 
 
-@njit(cache=True)
+@njit
 def label_vertices(corners, shell, n):
     """Find the shell of each of n vertices by that of some face of it.
 
@@ -51,7 +52,7 @@ def label_vertices(corners, shell, n):
     return label, agree
 
 
-@njit(cache=True)
+@njit
 def largest_terms(x, y, z, direction):
     """Find the largest sum of the absolute terms of the product of a point with a direction.
 
@@ -89,7 +90,7 @@ def measure_shells(points, faces, shell, n):
     return _measure_shells(*points, *faces, shell, n)
 
 
-@njit(cache=True)
+@njit
 def _measure_shells(x, y, z, a, b, c, shell, n):
     """As :func:`measure_shells`, by columns."""
     middle, weight = np.zeros((n, 3)), np.zeros(n)

@@ -4,8 +4,8 @@ from typing import NamedTuple
 
 import numpy as np
 import shapely
-from numba import njit
 
+from ...kernels import njit
 from .curves import Curves, distance_between
 from .shared_areas import find_chains, share_areas
 
@@ -152,7 +152,7 @@ def look_around(regions, spots):
     return inside, near, edge
 
 
-@njit(cache=True)
+@njit
 def _look_around(points, first, contour, begin, bounds, spots):
     """As :func:`look_around`, by contours as they are drawn."""
     n = len(spots)

@@ -11,7 +11,8 @@ wrong by no more than the rounding of its terms.
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
+
+from ...kernels import njit
 
 FLAT = 1e-290  # what rises less is level, lest its slope overflow
 
@@ -57,7 +58,7 @@ def find_chains(points, first, ring, region, turn, n_regions):
     return Chains(lowest[order], highest[order], (up * turn[owner])[order], begin)
 
 
-@njit(cache=True)
+@njit
 def _find_chains(points, first, ring):
     """Lowest and highest point of each chain, and the ring that it is of."""
     lowest, highest, owner = [0 for _ in range(0)], [0 for _ in range(0)], [0 for _ in range(0)]
@@ -76,7 +77,7 @@ def _find_chains(points, first, ring):
     return np.array(lowest), np.array(highest), np.array(owner)
 
 
-@njit(cache=True)
+@njit
 def share_areas(points, chains, one, other):
     """Measure the areas that pairs of regions share.
 
@@ -122,7 +123,7 @@ def share_areas(points, chains, one, other):
     return shared
 
 
-@njit(cache=True)
+@njit
 def _left_of_both(points, p, p_end, q, q_end, base):
     """Area left of two chains as high as both reach, from an upright line at `base`.
 
@@ -159,7 +160,7 @@ def _left_of_both(points, p, p_end, q, q_end, base):
     return total
 
 
-@njit(cache=True)
+@njit
 def _segment(points, p, q):
     """Where the segment from point p to point q ends, and how far it goes sideways as it rises by one."""
     rise = points[q, 1] - points[p, 1]

@@ -5,7 +5,8 @@ leaves open is "open", never a guess.
 """
 
 import numpy as np
-from numba import njit
+
+from ...kernels import njit
 
 ANGLE = 1e-9  # openings smaller than this (radians) leave the order of directions open
 # Tilts tried around a vertex where heights tie, rise per length.
@@ -35,7 +36,7 @@ def local_sides(surface, vertices):
     return WORDS[_find_sides(surface.points, surface.changes, vertices, *links)]
 
 
-@njit(cache=True)
+@njit
 def _find_links(corners, even, vertices, n):
     """The links of some vertices as cycles, counter-clockwise from outside: their members, and where each begins."""
     place, first = np.full(n, -1), np.zeros(len(vertices) + 1, np.int64)
@@ -64,7 +65,7 @@ def _find_links(corners, even, vertices, n):
     return members, first
 
 
-@njit(cache=True)
+@njit
 def _find_sides(points, changes, vertices, members, first):
     """The side of each vertex by the first tilt that tells.
 
@@ -95,7 +96,7 @@ def _find_sides(points, changes, vertices, members, first):
     return sides
 
 
-@njit(cache=True)
+@njit
 def _side_of_extremum(x, y, rise):
     """The side by the sign of the area of the link, seen from above at one height."""
     reach = max(np.abs(x).max(), np.abs(y).max())
@@ -109,7 +110,7 @@ def _side_of_extremum(x, y, rise):
     return OPEN
 
 
-@njit(cache=True)
+@njit
 def _zero_directions(x, y, rise):
     """Angles at which the link of a simple saddle enters and leaves each upper wedge, in the order of the link."""
     n, turns, count = len(rise), np.empty(4), 0
@@ -125,7 +126,7 @@ def _zero_directions(x, y, rise):
     return turns
 
 
-@njit(cache=True)
+@njit
 def _side_of_saddle(turns):
     """The side by the two sectors that the upper wedges of a simple saddle cut off.
 

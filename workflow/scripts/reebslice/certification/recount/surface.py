@@ -7,7 +7,8 @@ tilted x, tilted y, surface vertex).
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
+
+from ...kernels import njit
 
 
 class Ranked(NamedTuple):
@@ -29,7 +30,7 @@ class Ranked(NamedTuple):
     even: np.ndarray
     shell: np.ndarray
     changes: np.ndarray
-    index: np.ndarray
+    index: np.ndarray  # type: ignore[assignment]  # a method of tuples is called so
     weight: np.ndarray
 
 
@@ -81,7 +82,7 @@ def _order(x, y, z, frame):
     return order
 
 
-@njit(cache=True)
+@njit
 def _turn(x, y, z, a, b, c):
     """The product of points with one direction, summed in the order x, y, z."""
     out = np.empty(len(x))
@@ -90,7 +91,7 @@ def _turn(x, y, z, a, b, c):
     return out
 
 
-@njit(cache=True)
+@njit
 def _have_ties(height, order):
     """Whether two vertices have one height."""
     for i in range(len(order) - 1):  # noqa: SIM110, numba knows no any() of a generator
@@ -99,7 +100,7 @@ def _have_ties(height, order):
     return False
 
 
-@njit(cache=True)
+@njit
 def _rotate(x, y, z, frame, order):
     """Points in the tilted frame (n, 3) in the `order` given, summed in the order x, y, z."""
     out = np.empty((len(order), 3))
@@ -131,7 +132,7 @@ def sort_corners(points, origin, rank, faces, shell):
     return Ranked(points, origin, *_sort_corners(rank, a, b, c, shell))
 
 
-@njit(cache=True)
+@njit
 def _sort_corners(rank, one, two, three, shell):
     """Corners, orientation and shell of the faces in order of their lowest corners, and what that tells of vertices."""
     n = len(rank)
@@ -180,7 +181,7 @@ def find_mesh_edges(surface):
     return MeshEdges(*columns) if closed else None
 
 
-@njit(cache=True)
+@njit
 def _find_sides(corners, even, n):
     """Half-edges, three to a face, by their lower and then by their upper ends; twins are then neighbours."""
     first, halves = _sort_halves(corners, n)
@@ -209,7 +210,7 @@ def _find_sides(corners, even, n):
     return closed, lower, upper, of_face, faces, by_upper
 
 
-@njit(cache=True)
+@njit
 def _sort_halves(corners, n):
     """Half-edges as upper end x 2^32 + number, sorted within each lower end, and where each of those begins.
 
@@ -240,7 +241,7 @@ def _sort_halves(corners, n):
     return first, halves
 
 
-@njit(cache=True)
+@njit
 def count_links(corners, of_face, faces, n):
     """Count the link cycles of each of n vertices: rounds from face to face across its mesh edges.
 
