@@ -166,6 +166,14 @@ def test_sparse_accessor_with_and_without_base(build, glb, base):
     assert measure(build.write(glb)) == (6, [0, 0, 0], [1, 2, 3])
 
 
+def test_sparse_values_reach_the_vertices_of_a_later_primitive(build, glb):
+    many = [[x + 10 * k, y, z] for k in range(2) for x, y, z in CORNERS]
+    position = build.accessor(many, sparse=[3, 9, 15])
+    second = {"attributes": {"POSITION": position}, "indices": build.accessor(np.array(BOX) + 8, USHORT)}
+    build.node(mesh=build.add("meshes", primitives=[second]))
+    assert measure(build.write(glb)) == (6, [10, 0, 0], [11, 2, 3])
+
+
 def test_strides_and_offsets(build, glb):
     position = build.accessor(CORNERS, gap=20, before=8)
     indices = build.accessor(BOX, USHORT, before=6)
@@ -428,6 +436,21 @@ def test_weights_blend_matrices(build, glb):
     weights = np.where(upper[:, None], [0.25, 0.75, 0, 0], [0, 1, 0, 0])
     skinned(build, np.tile([0, 1, 0, 0], (8, 1)), weights)
     assert measure(build.write(glb)) == (2 * (3 + 0.25 * 5), [0, 0, 1], [1, 2, 1 + 3 + 0.25 * 5])
+
+
+def test_inverse_bind_matrix_comes_before_the_joint(build, glb):
+    shift = np.eye(4)
+    shift[0, 3] = 10
+    skinned(build, np.zeros((8, 4)), np.tile([1, 0, 0, 0], (8, 1)), matrices=[shift] * 2)
+    build.document["nodes"][1]["rotation"] = [0, 0, 1, 0]  # half a turn about z: x and y change sign
+    volume, low, high = measure(build.write(glb))
+    np.testing.assert_allclose([volume, *low, *high], [6, -11, -2, 6, -10, 0, 9], atol=1e-12)
+
+
+def test_weights_that_nearly_sum_to_one_are_brought_to_it(build, glb):
+    skinned(build, np.zeros((8, 4)), np.tile([0.5, 0.498046875, 0, 0], (8, 1)))  # both of the joint at height 6
+    volume, low, high = measure(build.write(glb))
+    np.testing.assert_allclose([volume, *low, *high], [6, 0, 0, 6, 1, 2, 9], atol=1e-12)
 
 
 def test_mirroring_joints_turn_faces_over(build, glb):
