@@ -5,7 +5,9 @@ unpacked but the parts that are asked for, and each only after the size that
 the archive declares for it was held against bounds.
 """
 
+import errno
 import posixpath
+import struct
 import zipfile
 import zlib
 from collections import defaultdict
@@ -17,6 +19,8 @@ from ..errors import MeshFormatError
 LARGEST_PART = 1 << 32  # bytes
 # Text of meshes packs 3 to 30 fold. A package that unpacks more than this many times its size on disk is no mesh.
 LARGEST_RATIO, FREE_BYTES = 200, 1 << 26
+# What zipfile raises on damage: a place outside the file (OSError EINVAL) and names that are no text among it.
+_DAMAGE = (zipfile.BadZipFile, zlib.error, struct.error, EOFError, OSError, RuntimeError, ValueError)
 RELATIONSHIP = "http://schemas.openxmlformats.org/package/2006/relationships Relationship"
 
 
@@ -36,7 +40,9 @@ class Package:
     def __init__(self, path):
         try:
             self._archive = zipfile.ZipFile(path)
-        except (zipfile.BadZipFile, NotImplementedError, ValueError) as error:
+        except _DAMAGE as error:
+            if isinstance(error, OSError) and error.errno not in (None, errno.EINVAL):
+                raise
             raise MeshFormatError(
                 f"The file is no ZIP archive as 3MF has to be, or is cut off ({error}); copy or export it again."
             ) from None
@@ -83,8 +89,8 @@ class Package:
         self._hold_against_bounds(entry)
         try:
             return self._archive.read(entry)
-        except (zipfile.BadZipFile, zlib.error, EOFError, OSError, RuntimeError, NotImplementedError) as error:
-            if isinstance(error, OSError) and error.errno is not None:
+        except _DAMAGE as error:
+            if isinstance(error, OSError) and error.errno not in (None, errno.EINVAL):
                 raise  # the disk's fault, not the file's
             raise MeshFormatError(
                 f"Part {spell_name(name)} cannot be unpacked ({error}); the file is damaged or encrypted: copy or"
