@@ -60,7 +60,7 @@ def read_mesh(path: str | PathLike[str]) -> MeshFile:
     _check_content(path)
     try:
         mesh = _find_reader(ending)(path)
-    except (MeshFormatError, ImportError):
+    except (MeshFormatError, ImportError, MemoryError, OSError):  # the last three are no faults of the mesh
         raise
     except Exception as error:  # a reader may stumble over damage in any way it likes
         told = f"{type(error).__name__}: {error}".splitlines()[0]
