@@ -50,7 +50,7 @@ wildcard_constraints:
 
 # A status table stands for the files of its models, which Snakemake does not
 # track. One that promises more than there is, is withdrawn and asked for
-# again by rule all: its batch runs, restores what is missing and passes over
+# again by the default target, so its batch runs, restores what is missing and passes over
 # the rest.
 WITHDRAWN = []
 if workflow.is_main_process:
