@@ -2,8 +2,9 @@
 
 from corpus.stages import run_batch
 from corpus.storage import read_table, write_json, write_table
-from corpus.surfaces import read_height_mesh, read_points
+from corpus.surfaces import read_faces, read_points, read_rotation
 from reebslice.handles.classification import classify_handles, critical_tables
+from reebslice.morse.height_mesh import height_mesh
 from reebslice.morse.reeb_graph import surface_reeb_graph
 from reebslice.slicing.sampling import sampling_figures
 
@@ -15,7 +16,7 @@ def main(source, target, options):
     pieces = read_table(source / "pieces.parquet", "pieces")
     contours = read_table(source / "contours.parquet", "contours", without=("geometry",))
     points = read_points(source)
-    mesh = read_height_mesh(source, points)
+    mesh = height_mesh(points, read_faces(source), read_rotation(source))
     graph = surface_reeb_graph(mesh)
     handles = classify_handles(mesh, graph, points, pieces, contours)
     write_table(target / "handles.parquet", "handles", handles)

@@ -4,8 +4,9 @@ import numpy as np
 
 from corpus.stages import Rejected, run_batch
 from corpus.storage import write_blocks, write_table
-from corpus.surfaces import read_height_mesh, vertex_bodies
+from corpus.surfaces import read_faces, read_points, read_rotation, vertex_bodies
 from reebslice.errors import TooManyCrossingsError
+from reebslice.morse.height_mesh import height_mesh
 from reebslice.morse.unfolding import unfoldings_table
 from reebslice.slicing.refinement import feature_scale, slice_surface
 from reebslice.slicing.tables import contours_blocks, levels_table, pieces_table
@@ -15,7 +16,7 @@ OUTPUTS = ("levels.parquet", "contours.parquet", "unfoldings.parquet", "pieces.p
 
 def main(source, target, options):
     """Slice the model in folder `source`, write its tables to folder `target`."""
-    mesh = read_height_mesh(source)
+    mesh = height_mesh(read_points(source), read_faces(source), read_rotation(source))
     shell, body = vertex_bodies(source, mesh)
     distance, feature_size = feature_scale(np.ptp(mesh.points[:, 2]), **options)
     try:

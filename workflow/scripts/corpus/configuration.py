@@ -5,7 +5,7 @@ import math
 
 import jsonschema
 
-from reebslice.slicing.levels import sampling_rule
+from reebslice.slicing.sampling_rule import sampling_rule
 
 # What JSON schema calls a type, said to a person.
 TYPES = {

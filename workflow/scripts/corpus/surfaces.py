@@ -2,8 +2,6 @@
 
 import numpy as np
 
-from reebslice.morse.height_mesh import height_mesh
-
 from .storage import read_json, read_table
 
 
@@ -28,15 +26,6 @@ def _stack(table, kind):
 def read_rotation(folder):
     """The rotation of the model in `folder` to the tilted frame, (3, 3)."""
     return np.array(read_json(folder / "tilt.json")["rotation"])
-
-
-def read_height_mesh(folder, points=None):
-    """The surface of the model in `folder` in its tilted frame, saddles unfolded.
-
-    points : its :func:`read_points`, if they are at hand.
-    """
-    points = read_points(folder) if points is None else points
-    return height_mesh(points, read_faces(folder), read_rotation(folder))
 
 
 def vertex_bodies(folder, mesh):

@@ -51,23 +51,6 @@ def vertex_slabs(mesh, levels):
     return np.repeat(np.arange(len(vertices), dtype=np.int32), vertices)
 
 
-def sampling_rule(distance, feature_size):
-    """Apply the paper's sampling rule: features of size d need levels at a distance of d / 2.
-
-    Parameters
-    ----------
-    distance, feature_size : float or None
-        Distance between levels and size of the smallest feature to be told apart; one may be missing.
-
-    Returns
-    -------
-    distance, feature_size : float
-        Both, the missing one by the rule.
-    """
-    distance = feature_size / 2 if distance is None else distance
-    return float(distance), float(2 * distance if feature_size is None else feature_size)
-
-
 def uniform_heights(low: float, high: float, distance: float) -> np.ndarray:
     """Place equispaced levels, half a spacing inside both ends.
 

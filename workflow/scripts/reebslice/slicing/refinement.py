@@ -6,7 +6,8 @@ from ..arrays.grouping import group_of_members
 from ..errors import ReebsliceError
 from ..morse.ordered_mesh import HeightMesh
 from ..morse.reeb_graph import critical_persistence, surface_reeb_graph
-from .levels import Levels, cut_between, make_levels, pierce, sampling_rule, uniform_heights
+from .levels import Levels, cut_between, make_levels, pierce, uniform_heights
+from .sampling_rule import sampling_rule
 from .slices import Slices, cut_along_arcs, cut_surface
 
 
