@@ -14,10 +14,11 @@ from hypothesis import strategies as st
 from corpus import batches, layout, model_table, promises, stages
 from corpus.batches import form_batches
 from corpus.code_digest import digest_code, find_sources, read_outputs
+from corpus.companions import digest_mesh
 from corpus.discovery import CorpusError, InputFile, find_models
 from corpus.layout import MODELS_FOLDER, STAGES, STATUS_SCHEMA
 from corpus.promises import find_broken_promises
-from corpus.receipts import digest_mesh, make_key, receipt_name
+from corpus.receipts import make_key, receipt_name
 from corpus.stages import Rejected, run_models
 from corpus.storage import read_json, write_json, write_parquet
 
@@ -256,7 +257,7 @@ def first_rows(**words):
     for model, word in words.items():
         put(f"m/{model}.stl")
         Path(f"m/{model}.stl").write_text(word)
-    return stages._first_rows(list(words), [f"m/{model}.stl" for model in words])
+    return stages._first_rows(list(words), [f"m/{model}.stl" for model in words], digest_mesh)
 
 
 def run(stage, rows, name="inspect_mesh", options=None, code="c"):

@@ -202,3 +202,11 @@ def test_random_prisms_have_their_area_and_volume_in_every_format(tmp_path, outl
     for end in ("stl", "ascii.stl"):
         mesh = read_mesh(write_mesh(tmp_path / f"prism.{end}", mesh.points, mesh.faces.tolist()))
         assert mesh.points[mesh.faces] == pytest.approx(read["obj"], rel=1e-6, abs=1e-5)
+
+
+def test_a_bent_quad_is_cut_and_told_although_it_folds_as_seen_along_its_normal():
+    points = np.array([[0, 0, 0], [1, 1, 0.6], [1, 0, 0], [0.1, 1, -0.6]])
+    faces, notes = cut_polygons(points, np.arange(4, dtype=np.int32), np.array([4]))
+    assert len(faces) == 2 and "bent" in notes[0]
+    with pytest.raises(MeshFormatError, match="crosses itself"):  # the same, flat
+        cut_polygons(points * [1, 1, 0], np.arange(4, dtype=np.int32), np.array([4]))

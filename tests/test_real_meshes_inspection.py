@@ -25,8 +25,8 @@ REJECTED = {
     "invalidvertex.stl": "not three numbers: '0 0 blah'",
     "infinite_coords.glb": "24 vertices have coordinates that are not finite",
     "inf_nan.obj": "3 vertices have coordinates that are not finite",
-    "glb_truncated.glb": "no faces",
-    "fuzz_0135.obj": "out of bounds",
+    "glb_truncated.glb": "cut off",
+    "fuzz_0135.obj": "where a vertex number is due",
 }
 # What was not computed elsewhere: genus, components, Euler characteristic, voids.
 KNOWN = {"ascii_CR.stl": (0, 1, 2, 0), "halfdonut_trailing.stl": (1, 1, 0, 0)}

@@ -279,3 +279,10 @@ def test_coordinates_are_told_in_digits_that_find_them_again(tmp_path):
     far = V.replace("2.0", "4785273.25", 1).replace("-3.0", "inf", 1)
     with pytest.raises(MeshFormatError, match=r"4785273\.25"):
         read(tmp_path, "a.obj", far + F)
+
+
+@pytest.mark.parametrize("encoding", ["utf-16", "utf-16-be"])
+def test_text_in_utf_16_is_read(encoding, tmp_path):
+    text = ("" if encoding == "utf-16" else "\ufeff") + "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n"
+    (tmp_path / "a.obj").write_bytes(text.encode(encoding))
+    assert read_mesh(tmp_path / "a.obj").faces.tolist() == [[0, 1, 2]]

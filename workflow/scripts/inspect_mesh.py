@@ -8,6 +8,7 @@ has none, and `notes`, sentences on what it holds besides this surface.
 
 from pathlib import Path
 
+from corpus.companions import digest_mesh
 from corpus.stages import Rejected, run_batch
 from corpus.storage import write_json, write_table
 from reebslice.errors import MeshFormatError
@@ -35,4 +36,4 @@ def main(source, target, options):
 
 
 if "snakemake" in globals():
-    run_batch(snakemake, main, OUTPUTS)
+    run_batch(snakemake, main, OUTPUTS, digest_mesh)

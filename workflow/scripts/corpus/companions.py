@@ -1,5 +1,6 @@
-"""Files that a mesh file names and that belong to its geometry."""
+"""Files that a mesh file names and that belong to its geometry, and the digest of all of them."""
 
+import hashlib
 from pathlib import Path
 
 
@@ -19,3 +20,21 @@ def stamp_companions(path):
         stat = companion.stat() if companion.is_file() else None
         stamps.append((str(companion), stat and stat.st_size, stat and stat.st_mtime_ns))
     return tuple(stamps)
+
+
+def digest_file(path):
+    """Return a digest of the bytes of a file."""
+    with open(path, "rb") as file:
+        return hashlib.file_digest(file, lambda: hashlib.blake2b(digest_size=16)).hexdigest()
+
+
+def digest_mesh(path):
+    """Return a digest of all that reading a mesh depends on but the reader's code.
+
+    That is its ending, which chooses the reader, the bytes of the file, and
+    those of the files that it names; of one that is missing, its absence.
+    """
+    parts = [Path(path).suffix.lower(), digest_file(path)]
+    for companion in list_companions(path):
+        parts += [companion.name, digest_file(companion) if companion.is_file() else "missing"]
+    return hashlib.blake2b("\0".join(parts).encode(errors="surrogateescape"), digest_size=16).hexdigest()

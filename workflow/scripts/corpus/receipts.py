@@ -4,9 +4,7 @@ import hashlib
 import json
 import os
 import shutil
-from pathlib import Path
 
-from .companions import list_companions
 from .layout import MODELS_FOLDER, STAGES
 from .storage import read_json
 
@@ -22,7 +20,7 @@ def make_key(before, options, code):
     Parameters
     ----------
     before : str
-        Content key of the stage before, or the digest of the mesh (:func:`digest_mesh`).
+        Content key of the stage before, or the digest of the mesh (:func:`.companions.digest_mesh`).
     options : dict
         The options that the stage uses.
     code : str
@@ -30,24 +28,6 @@ def make_key(before, options, code):
     """
     text = json.dumps([before, options, code], sort_keys=True, default=str)
     return hashlib.blake2b(text.encode(), digest_size=16).hexdigest()
-
-
-def digest_file(path):
-    """Return a digest of the bytes of a file."""
-    with open(path, "rb") as file:
-        return hashlib.file_digest(file, lambda: hashlib.blake2b(digest_size=16)).hexdigest()
-
-
-def digest_mesh(path):
-    """Return a digest of all that reading a mesh depends on but the reader's code.
-
-    That is its ending, which chooses the reader, the bytes of the file, and
-    those of the files that it names; of one that is missing, its absence.
-    """
-    parts = [Path(path).suffix.lower(), digest_file(path)]
-    for companion in list_companions(path):
-        parts += [companion.name, digest_file(companion) if companion.is_file() else "missing"]
-    return hashlib.blake2b("\0".join(parts).encode(errors="surrogateescape"), digest_size=16).hexdigest()
 
 
 def forget_stage(models, stage):

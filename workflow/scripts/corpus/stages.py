@@ -21,7 +21,7 @@ import pyarrow as pa
 
 from .layout import MODELS_FOLDER, STAGES, STATUS_SCHEMA, read_status
 from .process import peak_memory_mb, print_into, reset_peak_memory, trim_startup
-from .receipts import digest_mesh, make_key, move_in, receipt_name, valid_receipt, withdraw
+from .receipts import make_key, move_in, receipt_name, valid_receipt, withdraw
 from .storage import content_key, write_json, write_parquet
 
 
@@ -33,21 +33,22 @@ class Rejected(Exception):
     """
 
 
-def run_batch(snakemake, main, outputs):
+def run_batch(snakemake, main, outputs, digest=None):
     """Run the stage `main` over the batch of a Snakemake job.
 
     Reads the models from ``input.status``, the status table of the stage
     before, or, in the first stage, from ``params.models`` and
-    ``params.paths``, since not every path of a mesh can be an input. Writes the
+    ``params.paths``, since not every path of a mesh can be an input; `digest`
+    then gives the content key of a mesh file. Writes the
     status table of this stage. Everything that is printed goes to the log.
     """
     stage, parameters = snakemake.rule, snakemake.params
     print_into(snakemake.log[0])
     trim_startup()
-    if "status" in snakemake.input:
+    if "status" in snakemake.input.keys():  # noqa: SIM118, a list with names
         rows = read_status(snakemake.input.status)
     else:
-        rows = _first_rows(parameters.models, parameters.paths)
+        rows = _first_rows(parameters.models, parameters.paths, digest)
     done = run_models(stage, rows, main, outputs, parameters.options, parameters.code)
     write_parquet(snakemake.output.status, pa.Table.from_pylist(done, schema=STATUS_SCHEMA))
 
@@ -66,10 +67,10 @@ def run_models(stage, rows, main, outputs, options, code):
 # One model
 
 
-def _first_rows(models, paths):
+def _first_rows(models, paths, digest):
     """Return rows that stand for the stage before the first one."""
     return [
-        {"model": model, "path": path, "status": "ok", "reason": "", "key": digest_mesh(path)}
+        {"model": model, "path": path, "status": "ok", "reason": "", "key": digest(path)}
         for model, path in zip(models, paths, strict=True)
     ]
 

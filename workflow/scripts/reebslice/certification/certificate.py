@@ -115,7 +115,7 @@ def certify(
     >>> certificate["verdict"]
     'uncertified'
     >>> [name for name, check in certificate["checks"].items() if not check["holds"]][0]
-    'form: tables'
+    'tables_in_form'
     """
     facts = Facts(tables, tilt, graphs, feature_size, distance, curves)
     ledger = Ledger()

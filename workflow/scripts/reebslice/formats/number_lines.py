@@ -6,12 +6,15 @@ from ..errors import NumberFormatError
 from ..kernels import njit
 
 NEW_LINE, SPACE = b"\n "
+UTF_16 = (b"\xff\xfe", b"\xfe\xff")  # marks of the order of bytes
 MARK = b"\xef\xbb\xbf"  # what some editors put before UTF-8 text
 
 
 def read_text(path):
-    """Return the bytes of a text file, its lines ended by line feeds whatever ends them in the file."""
+    """Return a text file as bytes of UTF-8, its lines ended by line feeds whatever ends them in the file."""
     data = path.read_bytes()
+    if data.startswith(UTF_16):
+        data = data.decode("utf-16", "replace").encode()
     data = data.replace(b"\r\n", b"\n").replace(b"\r", b"\n")
     return data[len(MARK) :] if data.startswith(MARK) else data
 

@@ -15,9 +15,8 @@ from ..kernels import njit
 from ..mesh.faults import COUNTED_FROM_0, find_fault
 from .flat_polygons import lay_flat
 from .mesh_file import MeshFile
-from .quads import FOLDED, STRAIGHT, cut_quad
+from .quads import BENT, FOLDED, STRAIGHT, cut_quad
 
-BENT = 1e-3  # of a polygon's size: corners farther from its plane are told
 EASY, HARD, CROSSED = range(3)
 
 

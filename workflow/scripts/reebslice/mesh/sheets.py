@@ -229,4 +229,4 @@ def _fan_out(face, middles):
     ring = [vertex for pair in zip(face, middles) for vertex in pair if vertex >= 0]
     first = next(k for k, vertex in enumerate(ring) if vertex in middles)
     ring = ring[first:] + ring[:first]
-    return [[ring[0], one, two] for one, two in itertools.pairwise(ring)]
+    return [[ring[0], one, two] for one, two in itertools.pairwise(ring[1:])]

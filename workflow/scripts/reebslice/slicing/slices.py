@@ -93,7 +93,7 @@ def nested_contours(
     >>> faces = np.array([[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]])
     >>> contours, regions = nested_contours(height_mesh(points, faces), [0.05, 0.5])
     >>> contours.level.tolist(), regions.area.round(4).tolist()
-    ([0, 1], [0.0583, 0.1736])
+    ([0, 1], [0.0625, 0.1736])
     """
     levels = make_levels(mesh, heights)
     return _nest(mesh, levels, trace_contours(mesh, levels), body_of_vertex)
