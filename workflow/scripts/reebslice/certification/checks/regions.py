@@ -32,8 +32,8 @@ def check_holes(facts, ledger):
     facts.open_holes = is_open
     parent, unsure = find_parents(nest)
     stated = np.array([-1 if p is None else p for p in t["parent"]], np.int64)
-    for contour in np.flatnonzero(~unsure & (stated != parent)).tolist():  # or another shell touches it there
-        others = [o for o in (stated[contour], parent[contour]) if o >= 0 and found.shell[o] != found.shell[contour]]
+    for contour in np.flatnonzero(~unsure & (stated != parent)).tolist():  # of two that meet none need be around
+        others = [o for o in (stated[contour], parent[contour]) if o >= 0]
         unsure[contour] = bool(others) and nest.meet(contour, others)
     ledger.rows("contours.parent", unsure | (stated == parent), "the smallest contour around it")
     facts.open["contours of unsure parent"] = (unsure & (stated != parent)).sum()
