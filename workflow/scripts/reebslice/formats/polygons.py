@@ -15,9 +15,11 @@ from ..kernels import njit
 from ..mesh.faults import COUNTED_FROM_0, find_fault
 from .flat_polygons import lay_flat
 from .mesh_file import MeshFile
-from .quads import BENT, FOLDED, STRAIGHT, cut_quad
+from .quads import FOLDED, STRAIGHT, cut_quad
 
-EASY, HARD, CROSSED = range(3)
+BENT = 1e-3  # of a polygon's size: corners farther from its plane are told
+FLAT = 1e-6  # of a polygon's size: corners no farther from its plane are in it, to rounding of its coordinates
+EASY, HARD, CROSSED, SKEW = range(4)
 
 
 def build_mesh(points, corners, sizes, names=COUNTED_FROM_0, notes=()):
@@ -89,7 +91,7 @@ def cut_polygons(points, corners, sizes, names=COUNTED_FROM_0):
         return corners.reshape(-1, 3), []
     states, bends, faces = _cut_all(points, corners, sizes)
     begin = np.cumsum(sizes) - sizes
-    for k in np.flatnonzero(states):
+    for k in np.flatnonzero((states == HARD) | (states == CROSSED)):
         triangles = _cut_hard(points, corners[begin[k] : begin[k] + sizes[k]]) if states[k] == HARD else None
         if triangles is None:
             raise MeshFormatError(
@@ -98,13 +100,13 @@ def cut_polygons(points, corners, sizes, names=COUNTED_FROM_0):
             )
         row = begin[k] - 2 * k
         faces[row : row + len(triangles)] = triangles
-    bent = np.flatnonzero(bends > BENT)
+    bent = np.flatnonzero((bends > BENT) | (states == SKEW))
     if not len(bent):
         return faces, []
     worst = bent[np.argmax(bends[bent])]
     return faces, [
         f"{len(bent)} of {np.count_nonzero(sizes > 3)} polygons are bent, that is their corners leave a plane by more"
-        f" than {BENT:.1%} of their size, the first is {names.face(bent[0])}; at most it is {bends[worst]:.2%}, in"
+        f" than {BENT:.1%} of their size, or they fold whichever way they are cut; the first is {names.face(bent[0])}; at most it is {bends[worst]:.2%}, in"
         f" {names.face(worst)}. How they are cut into triangles decides the surface."
     ]
 
@@ -124,7 +126,7 @@ def _cut_all(points, corners, sizes):
                 faces[row, c] = corners[begin + c]
         elif n == 4:
             crossed, bends[k] = cut_quad(points, corners[begin : begin + 4], faces[row : row + 2])
-            states[k] = CROSSED if crossed else EASY
+            states[k] = EASY if not crossed else SKEW if bends[k] > FLAT else CROSSED
         else:
             flat = lay_flat(points, corners[begin : begin + n], order, places)
             bends[k] = flat.bend

@@ -8,7 +8,6 @@ import numpy as np
 from ..kernels import njit
 from .flat_polygons import THIN, compare
 
-BENT = 1e-3  # of a polygon's size: corners farther from its plane are told
 FOLDED = 1e-6  # of a polygon's size squared: triangles may cover no more than this beyond the polygon's area
 STRAIGHT = 1e-9  # of an area, and sine of an angle: what is below is no ear for sure
 
@@ -26,9 +25,10 @@ def cut_quad(points, quad, faces):
     Returns
     -------
     bool, float
-        Whether the quad is flat and crosses itself, so that both diagonals
-        fold; how far its corners are off a plane, relative to the diagonal of
-        its box. A bent quad is cut along the diagonal that folds less.
+        Whether both diagonals fold, seen along the normal: a flat quad then
+        crosses itself, and the sides of a bent one pass each other; how far its
+        corners are off a plane, relative to the diagonal of its box. A bent
+        quad is cut along the diagonal that folds less.
     """
     a, b, c, d = quad
     x, y, z = _cross(points, a, c, b, d)
@@ -45,8 +45,7 @@ def cut_quad(points, quad, faces):
         first = _is_first_shorter(points, a, b, c, d) if sure else from_a > from_b
         rise = _dot((points[b, 0] - points[a, 0], points[b, 1] - points[a, 1], points[b, 2] - points[a, 2]), normal)
         bend = abs(rise) / length / 2 / np.sqrt(size)
-        # seen along the normal a bent quad may fold on both diagonals, but in space its sides pass each other
-        crossed = bend <= BENT and max(from_a, from_b) < -FOLDED * size * length
+        crossed = max(from_a, from_b) < -FOLDED * size * length
     i = 0 if first else 1
     for t in range(2):
         faces[t, 0], faces[t, 1], faces[t, 2] = quad[i], quad[i + t + 1], quad[(i + t + 2) % 4]
