@@ -106,8 +106,9 @@ def cut_polygons(points, corners, sizes, names=COUNTED_FROM_0):
     worst = bent[np.argmax(bends[bent])]
     return faces, [
         f"{len(bent)} of {np.count_nonzero(sizes > 3)} polygons are bent, that is their corners leave a plane by more"
-        f" than {BENT:.1%} of their size, or they fold whichever way they are cut; the first is {names.face(bent[0])}; at most it is {bends[worst]:.2%}, in"
-        f" {names.face(worst)}. How they are cut into triangles decides the surface."
+        f" than {BENT:.1%} of their size, or they fold whichever way they are cut; the first is"
+        f" {names.face(bent[0])}; at most it is {bends[worst]:.2%}, in {names.face(worst)}. How they are cut into"
+        " triangles decides the surface."
     ]
 
 
