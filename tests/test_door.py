@@ -138,6 +138,39 @@ def test_the_door_says_what_is_wrong_where_and_the_cure(points, faces, says):
         assert isinstance(raised.value, ReebsliceError) and isinstance(raised.value, ValueError)
 
 
+@pytest.mark.parametrize(
+    "call, says",
+    [
+        (lambda: reebslice.exact_graphs(BALL.points, BALL.faces, np.eye(2)), r"rotation has the shape \(2, 2\)"),
+        (lambda: reebslice.height_mesh(BALL.points, BALL.faces, 2 * np.eye(3)), "is no rotation"),
+        (lambda: reebslice.height_mesh(BALL.points, BALL.faces, np.full((3, 3), np.nan)), "is no rotation"),
+        (lambda: reebslice.height_mesh(BALL.points, BALL.faces, -np.eye(3)), "must not mirror"),
+        (lambda: reebslice.height_mesh(BALL.points, BALL.faces, "upright"), "rotation is a str"),
+        (lambda: reebslice.exact_graphs(BALL.points, BALL.faces, None, [0, 1]), r"body_of_vertex has the shape \(2,\)"),
+        (lambda: reebslice.exact_graphs(BALL.points, BALL.faces, None, -np.ones(len(BALL.points), int)), "0 or more"),
+        (lambda: reebslice.inspect_surface(BALL.points[:, :2], BALL.faces), r"points has the shape \(\d+, 2\)"),
+        (lambda: reebslice.inspect_surface(BALL.points, BALL.faces + 0.4), "faces holds values of type float64"),
+        (lambda: reebslice.select_tilt(BALL.points, BALL.faces, "up"), "mode is 'up': give one of 'auto', 'none'"),
+        (lambda: reebslice.select_tilt(BALL.points, BALL.faces, "direction", [0, 0, 0]), "give three finite numbers"),
+        (lambda: reebslice.select_tilt(BALL.points, BALL.faces, "direction"), "give three finite numbers"),
+        (lambda: reebslice.surface_reeb_graph(BALL.points), "mesh is a ndarray, not a HeightMesh: make one by"),
+        (lambda: reebslice.nested_contours(BALL, [0.0]), "mesh is a Solid, not a HeightMesh"),
+        (lambda: reebslice.nested_contours(reebslice.height_mesh(BALL.points, BALL.faces), [1, 0]), "ascending order"),
+        (lambda: reebslice.nested_contours(reebslice.height_mesh(BALL.points, BALL.faces), [np.nan]), "finite numbers"),
+        (lambda: list(reebslice.nested_blocks(reebslice.height_mesh(BALL.points, BALL.faces), [0], 0)), "1 or more"),
+    ],
+)
+def test_other_arguments_are_checked(call, says):
+    with pytest.raises(ReebsliceError, match=says):
+        call()
+
+
+def test_directions_of_any_length_are_brought_to_one():
+    for length in (1e-300, 1e300):
+        found = reebslice.select_tilt(BALL.points, BALL.faces, "direction", [0, 0, length])
+        assert found["direction"] == [0, 0, 1]
+
+
 def test_unused_points_may_be_anything():
     points = np.vstack([BALL.points, [[np.nan] * 3]])
     assert len(reebslice.exact_graphs(points, BALL.faces)[0].vertex) == 2

@@ -210,3 +210,12 @@ def test_a_bent_quad_is_cut_and_told_although_it_folds_as_seen_along_its_normal(
     assert len(faces) == 2 and "bent" in notes[0]
     with pytest.raises(MeshFormatError, match="crosses itself"):  # the same, flat
         cut_polygons(points * [1, 1, 0], np.arange(4, dtype=np.int32), np.array([4]))
+
+
+def test_an_outline_that_covers_itself_without_folding_is_refused():
+    turns = np.linspace(0, 2.6 * np.pi, 13)  # a strip of a ring that goes around more than once
+    ring = [np.column_stack([r * np.cos(turns), r * np.sin(turns)]) for r in (2, 3)]
+    outline = np.vstack([ring[1], ring[0][::-1]])
+    points = np.column_stack([outline, np.zeros(len(outline))])
+    with pytest.raises(MeshFormatError, match="crosses itself"):
+        cut_polygons(points, np.arange(len(points), dtype=np.int32), np.array([len(points)]))

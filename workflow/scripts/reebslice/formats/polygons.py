@@ -9,6 +9,7 @@ References: https://github.com/mapbox/earcut, https://github.com/elalish/manifol
 """
 
 import numpy as np
+import shapely
 
 from ..errors import MeshFormatError
 from ..kernels import njit
@@ -207,7 +208,7 @@ def _clip_surely(places):
 
 
 def _fit(places, triangles, flat):
-    """Tell whether triangles have all mesh edges of the outline and do not fold."""
+    """Tell whether triangles have all mesh edges of the outline, and neither fold nor cover one another."""
     n = len(places)
     if len(triangles) != n - 2:
         return False
@@ -216,4 +217,9 @@ def _fit(places, triangles, flat):
         return False
     a, b, c = (places[corner] for corner in triangles.T)
     areas = (b - a)[:, 0] * (c - a)[:, 1] - (b - a)[:, 1] * (c - a)[:, 0]
-    return np.abs(areas).sum() - flat.area <= FOLDED * flat.reach
+    if np.abs(areas).sum() - flat.area > FOLDED * flat.reach:
+        return False
+    if shapely.is_valid(shapely.polygons(places)):
+        return True
+    covered = 2 * shapely.area(shapely.union_all(shapely.polygons(places[triangles])))  # an outline may touch itself
+    return flat.area - covered <= FOLDED * flat.reach

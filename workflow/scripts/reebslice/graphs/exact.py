@@ -8,6 +8,7 @@ from numpy.typing import ArrayLike
 from scipy.sparse.csgraph import connected_components
 
 from ..arrays.grouping import group_of_members
+from ..mesh.arguments import take_arrays, take_bodies
 from ..morse.height_mesh import height_mesh
 from ..morse.reeb_graph import critical_persistence, surface_reeb_graph
 from ..slicing.refinement import block_chains, exact_slices
@@ -43,7 +44,7 @@ class ExactGraph(NamedTuple):
             Node k has the attributes `vertex` and `height`; edges are keyed by
             the number of their arc, so parallel arcs are kept.
         """
-        import networkx
+        import networkx  # not among the packages that the library itself needs
 
         graph = networkx.MultiGraph()
         rows = zip(self.vertex.tolist(), self.height.tolist())
@@ -95,6 +96,8 @@ def exact_graphs(
     ------
     NotASolidError
         The mesh is not as above; the message says where, and the cure.
+    ReebsliceError
+        The rotation or the bodies are none.
     TooManyCrossingsError
         The solid's graph would need hundreds of millions of points, as of white
         noise; :func:`surface_reeb_graph` needs none.
@@ -107,9 +110,10 @@ def exact_graphs(
     >>> solid.height.tolist(), solid.arcs.tolist()
     ([0.0, 1.0], [[0, 1]])
     """
+    points, faces = take_arrays(points, faces)
     mesh = height_mesh(points, faces, rotation)
     graph = surface_reeb_graph(mesh)
-    body = np.zeros(len(mesh.points), np.int32) if body_of_vertex is None else np.asarray(body_of_vertex)[mesh.vertex]
+    body = take_bodies(body_of_vertex, len(points))[mesh.vertex]
     return _name_vertices(mesh, graph.nodes, graph.arcs), _name_vertices(mesh, *solid_reeb_graph(mesh, graph, body))
 
 

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from ..errors import NotASolidError
+from ..errors import NotASolidError, ReebsliceError
 from ..kernels import njit
 from .faults import find_used, format_point
 
@@ -36,12 +36,7 @@ def take_mesh(points, faces=None):
         coordinate is not finite, or the faces point inward. The message says
         where, and the cure.
     """
-    if faces is None:
-        points, faces = _take_apart(points)
-    points, faces = (
-        _as_rows("points", points, np.number, "real numbers"),
-        _as_rows("faces", faces, np.integer, "whole numbers"),
-    )
+    points, faces = take_arrays(points, faces)
     if faces.min() < 0 or faces.max() >= len(points):
         face, corner = np.argwhere((faces < 0) | (faces >= len(points)))[0]
         raise NotASolidError(
@@ -66,6 +61,98 @@ def take_mesh(points, faces=None):
     return points, faces
 
 
+def take_arrays(points, faces=None, least=1):
+    """Take points and faces as arrays of rows of three, whatever holds them; what they say is not looked at.
+
+    Parameters
+    ----------
+    points, faces
+        As for :func:`take_mesh`.
+    least : int
+        Number of rows that there must be.
+
+    Returns
+    -------
+    points : (n, 3) array of numbers
+    faces : (m, 3) array of int
+
+    Raises
+    ------
+    NotASolidError
+        The arrays have other shapes or types, or fewer rows.
+    """
+    if faces is None:
+        points, faces = _take_apart(points)
+    points = _as_rows("points", points, np.number, "real numbers", least)
+    return points, _as_rows("faces", faces, np.integer, "whole numbers", least)
+
+
+def take_rotation(rotation):
+    """Take a rotation as a matrix.
+
+    Parameters
+    ----------
+    rotation : (3, 3) array_like or None
+        From the model frame to the tilted frame; None for no rotation.
+
+    Returns
+    -------
+    (3, 3) float64
+
+    Raises
+    ------
+    ReebsliceError
+        It has another shape, is not finite, or is no rotation: its rows are not
+        orthonormal to 1e-6, or it mirrors.
+    """
+    if rotation is None:
+        return np.eye(3)
+    try:
+        matrix = np.array(rotation, float)
+    except (TypeError, ValueError):
+        raise ReebsliceError(f"rotation is a {type(rotation).__name__}: give a matrix of shape (3, 3).") from None
+    if matrix.shape != (3, 3):
+        raise ReebsliceError(f"rotation has the shape {matrix.shape}: give a matrix of shape (3, 3).")
+    if not np.abs(matrix @ matrix.T - np.eye(3)).max() <= 1e-6 or np.linalg.det(matrix) < 0:
+        raise ReebsliceError(
+            f"rotation {matrix.tolist()} is no rotation: its rows must be of length one, at right angles to each other,"
+            " and must not mirror."
+        )
+    return matrix
+
+
+def take_bodies(body_of_vertex, count):
+    """Take the bodies of vertices as an array.
+
+    Parameters
+    ----------
+    body_of_vertex : (n,) array_like of int, or None
+        None if all are one body.
+    count : int
+        Number n of vertices.
+
+    Returns
+    -------
+    (n,) int32
+
+    Raises
+    ------
+    ReebsliceError
+        It has another length, or holds other values than ids of 0 or more.
+    """
+    if body_of_vertex is None:
+        return np.zeros(count, np.int32)
+    body = np.asarray(body_of_vertex)
+    if body.shape != (count,) or not np.issubdtype(body.dtype, np.integer):
+        raise ReebsliceError(
+            f"body_of_vertex has the shape {body.shape} and the type {body.dtype}: give one whole number for each of"
+            f" the {count} vertices."
+        )
+    if body.min() < 0 or body.max() > np.iinfo(np.int32).max:
+        raise ReebsliceError(f"body_of_vertex runs from {body.min()} to {body.max()}: give ids of 0 or more.")
+    return body.astype(np.int32)
+
+
 def _take_apart(mesh):
     """Points and faces of another library's mesh object."""
     if hasattr(mesh, "vertices") and hasattr(mesh, "faces"):
@@ -80,7 +167,7 @@ def _take_apart(mesh):
     )
 
 
-def _as_rows(name, values, kind, what):
+def _as_rows(name, values, kind, what, least):
     """The argument as an array of rows of three numbers of this kind."""
     try:
         rows = np.asarray(values)
@@ -89,7 +176,7 @@ def _as_rows(name, values, kind, what):
     if rows.ndim != 2 or rows.shape[1] != 3:
         also = "; cut polygons into triangles first" if name == "faces" else ""
         raise NotASolidError(f"{name} has the shape {rows.shape}; give an array of shape (n, 3){also}.")
-    if not len(rows):
+    if len(rows) < least:
         raise NotASolidError(f"{name} is empty; a solid has at least four vertices and four faces.")
     if not np.issubdtype(rows.dtype, kind) or np.iscomplexobj(rows):
         raise NotASolidError(f"{name} holds values of type {rows.dtype}; give {what}.")

@@ -5,6 +5,7 @@ with a record of what was found and repaired, or the reason why there is none.
 """
 
 from dataclasses import asdict
+from typing import Any
 
 import numpy as np
 import pyarrow as pa
@@ -14,6 +15,7 @@ from ..errors import UnionError
 from ..kernels import njit
 from ..table_checks import build_table
 from . import unions
+from .arguments import take_arrays
 from .orders import sort_faces
 from .record import REPAIRS, Inspection
 from .repairs import clean_surface
@@ -27,7 +29,7 @@ DEFAULTS = {"repair": REPAIRS, "merge_tolerance": 1e-6, "overlaps": "keep"}
 
 
 def inspect_surface(
-    points: ArrayLike, faces: ArrayLike, options: dict | None = None
+    points: Any, faces: ArrayLike | None = None, options: dict | None = None
 ) -> tuple[dict[str, pa.Table] | None, dict]:
     """Clean a mesh and tell whether it bounds a solid.
 
@@ -36,6 +38,7 @@ def inspect_surface(
     points : (n, 3) float64, mesh units
         Unused and repeated points are fine: faces are joined where the
         positions of their corners are equal, whether they share points or not.
+        Or, with `faces` left out, a `trimesh.Trimesh` or a `pyvista.PolyData`.
     faces : (m, 3) int
         Ids of points.
     options : dict, optional
@@ -60,8 +63,11 @@ def inspect_surface(
 
     Raises
     ------
+    NotASolidError
+        The arrays have other shapes or types; what they hold is told in the
+        inspection instead.
     ValueError
-        An option is out of its range; not on account of the mesh.
+        An option is out of its range.
 
     Examples
     --------
@@ -73,7 +79,8 @@ def inspect_surface(
     False
     """
     options = check_options(options)
-    surface, inspection = clean_surface(np.asarray(points, np.float64), np.asarray(faces), options)
+    points, faces = take_arrays(points, faces, least=0)
+    surface, inspection = clean_surface(np.asarray(points, np.float64), faces, options)
     if surface is None:
         return None, asdict(inspection)
     tables = _tabulate(surface, inspection)

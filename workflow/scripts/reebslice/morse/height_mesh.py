@@ -5,7 +5,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..mesh.arguments import check_fans, explain_open, take_mesh
+from ..mesh.arguments import check_fans, explain_open, take_mesh, take_rotation
 from ..mesh.faults import find_used
 from .ordered_mesh import HeightMesh, order_by_height
 from .unfolding import unfold_saddles
@@ -42,6 +42,8 @@ def height_mesh(points: Any, faces: ArrayLike | None = None, rotation: ArrayLike
         The arrays cannot be used, an id or a coordinate is out of range, the
         surface is open or not oriented, sheets touch in a vertex, or the faces
         point inward. The message says where, and the cure.
+    ReebsliceError
+        The rotation is none.
 
     Examples
     --------
@@ -52,12 +54,13 @@ def height_mesh(points: Any, faces: ArrayLike | None = None, rotation: ArrayLike
     ([0, 1, 2, 3], [0.0, 0.1, 0.2, 1.0])
     """
     points, faces = take_mesh(points, faces)
+    matrix = take_rotation(rotation)
     used = find_used(len(points), faces)
     if len(used) < len(points):
-        mesh = height_mesh(points[used], np.searchsorted(used, faces), rotation)
+        mesh = height_mesh(points[used], np.searchsorted(used, faces), matrix)
         return mesh._replace(vertex=used[mesh.vertex].astype(np.int32))
     try:
-        mesh = order_by_height(points, faces, np.eye(3) if rotation is None else np.asarray(rotation))
+        mesh = order_by_height(points, faces, matrix)
     except ValueError:
         raise explain_open(points, faces) from None
     check_fans(mesh.points, mesh.faces, mesh.twins)

@@ -20,6 +20,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from ..errors import ReebsliceError
 from ..kernels import njit
 from ..mesh.half_edges import find_twins
 from ..mesh.orders import canonical_faces, height_order
@@ -46,6 +47,14 @@ class HeightMesh(NamedTuple):
     faces: np.ndarray
     twins: np.ndarray
     vertex: np.ndarray
+
+
+def check_ordered(mesh):
+    """Raise ReebsliceError unless `mesh` is a :class:`HeightMesh`."""
+    if not isinstance(mesh, HeightMesh):
+        raise ReebsliceError(
+            f"mesh is a {type(mesh).__name__}, not a HeightMesh: make one by reebslice.height_mesh(points, faces)."
+        )
 
 
 def tilt_points(points, rotation):

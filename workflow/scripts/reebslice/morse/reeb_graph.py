@@ -16,7 +16,7 @@ import numpy as np
 from ..arrays.sorting import sort_stably
 from .contour_trees import choose_gates, find_gates, merge_components, prune_leaves
 from .loop_cuts import cut_loops, no_cuts
-from .ordered_mesh import HeightMesh
+from .ordered_mesh import HeightMesh, check_ordered
 from .persistence import extended_pairs
 
 
@@ -76,6 +76,7 @@ def surface_reeb_graph(mesh: HeightMesh) -> ReebGraph:
     >>> graph.nodes.tolist(), graph.arcs.tolist()
     ([0, 3], [[0, 1]])
     """
+    check_ordered(mesh)
     gates = find_gates(mesh.faces, mesh.twins, len(mesh.points))
     nodes = np.flatnonzero(gates.rises != 1).astype(np.int32)
     cuts = no_cuts()

@@ -4,7 +4,7 @@ import numpy as np
 
 from ..arrays.grouping import group_of_members
 from ..errors import ReebsliceError
-from ..morse.ordered_mesh import HeightMesh
+from ..morse.ordered_mesh import HeightMesh, check_ordered
 from ..morse.reeb_graph import critical_persistence, surface_reeb_graph
 from .levels import Levels, cut_between, make_levels, pierce, uniform_heights
 from .sampling_rule import sampling_rule
@@ -86,6 +86,9 @@ def slice_surface(
     """
     if refine not in ("feature", "exact", "none"):
         raise ReebsliceError(f"refine is {refine!r}: it must be 'feature', 'exact' or 'none'.")
+    check_ordered(mesh)
+    if feature_size is not None and not feature_size > 0:
+        raise ReebsliceError(f"feature_size is {feature_size}: it must be a positive number of mesh units.")
     distance, feature_size = sampling_rule(distance, feature_size)
     heights = uniform_heights(mesh.points[0, 2], mesh.points[-1, 2], distance)
     levels, refined = make_levels(mesh, heights), np.zeros(len(heights), bool)

@@ -15,7 +15,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..morse.ordered_mesh import HeightMesh
+from ..errors import ReebsliceError
+from ..morse.ordered_mesh import HeightMesh, check_ordered
 from ..morse.reeb_graph import surface_reeb_graph
 from .blocks import find_blocks, host_unseen_voids
 from .contours import Contours, trace_blocks, trace_contours, trace_crossings
@@ -95,7 +96,7 @@ def nested_contours(
     >>> contours.level.tolist(), regions.area.round(4).tolist()
     ([0, 1], [0.0625, 0.1736])
     """
-    levels = make_levels(mesh, heights)
+    levels = make_levels(mesh, _take_heights(mesh, heights))
     return _nest(mesh, levels, trace_contours(mesh, levels), body_of_vertex)
 
 
@@ -128,9 +129,23 @@ def nested_blocks(
     >>> [len(regions.level) for contours, regions in blocks]
     [1, 1]
     """
-    levels = make_levels(mesh, heights)
+    if not most_crossings >= 1:
+        raise ReebsliceError(f"most_crossings is {most_crossings}: give a number of 1 or more.")
+    levels = make_levels(mesh, _take_heights(mesh, heights))
     for contours in trace_blocks(mesh, levels, most_crossings):
         yield _nest(mesh, levels, contours, body_of_vertex)
+
+
+def _take_heights(mesh, heights):
+    """Heights of levels as an ascending array, checked, and that the mesh is one."""
+    check_ordered(mesh)
+    try:
+        taken = np.array(heights, float)
+    except (TypeError, ValueError):
+        taken = np.full((), np.nan)
+    if taken.ndim != 1 or not np.isfinite(taken).all() or (np.diff(taken) < 0).any():
+        raise ReebsliceError("heights must be a sequence of finite numbers in ascending order.")
+    return taken
 
 
 def _nest(mesh, levels, contours, body_of_vertex):

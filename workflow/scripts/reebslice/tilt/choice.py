@@ -16,6 +16,7 @@ American Mathematical Monthly 77 (1970)
 import numpy as np
 from numpy.typing import ArrayLike
 
+from ..errors import ReebsliceError
 from ..kernels import njit
 from ..mesh.arguments import take_mesh
 from ..morse.critical_points import count_critical_points
@@ -66,6 +67,8 @@ def select_tilt(points: ArrayLike, faces: ArrayLike, mode: str = "auto", directi
     ------
     NotASolidError
         The arrays cannot be used, or the faces point inward.
+    ReebsliceError
+        The mode is none of these, or the direction is none.
 
     Examples
     --------
@@ -77,11 +80,12 @@ def select_tilt(points: ArrayLike, faces: ArrayLike, mode: str = "auto", directi
     ([0.0, 0.0, 1.0], 'proven', 0.1)
     """
     points, faces = take_mesh(points, faces)
+    if mode not in MODES:
+        raise ReebsliceError(f"mode is {mode!r}: give one of {', '.join(map(repr, MODES))}.")
     if mode == "auto":
         tried = _try_candidates(points, faces)
     else:
-        vector = np.array([0.0, 0.0, 1.0] if mode == "none" else direction, float)
-        tried = [assess_direction(points, faces, vector / np.linalg.norm(vector))]
+        tried = [assess_direction(points, faces, _take_direction([0, 0, 1] if mode == "none" else direction))]
     best = max(tried, key=lambda figures: figures["certainty"] if figures["morse"] == "proven" else 0.0)
     rotation = rotation_to_vertical(best["direction"])
     return {
@@ -91,6 +95,18 @@ def select_tilt(points: ArrayLike, faces: ArrayLike, mode: str = "auto", directi
         "mode": mode,
         "candidates": tried,
     }
+
+
+def _take_direction(direction):
+    """The unit vector of a direction of any length but 0."""
+    try:
+        vector = np.array(direction, float)
+    except (TypeError, ValueError):
+        vector = np.full(1, np.nan)
+    if vector.shape != (3,) or not np.isfinite(vector).all() or not vector.any():
+        raise ReebsliceError(f"direction is {direction!r}: give three finite numbers, of which one is not 0.")
+    vector = vector / np.abs(vector).max()  # so that squares neither vanish nor overflow
+    return vector / np.linalg.norm(vector)
 
 
 def candidate_directions():
