@@ -97,9 +97,16 @@ def _survey(points, corners):
 
 def find_used(n_points, faces):
     """Return, ascending, the ids of the points that occur in faces."""
-    used = np.zeros(n_points, bool)
-    used[faces] = True
-    return np.flatnonzero(used)
+    return np.flatnonzero(_mark_used(n_points, np.ascontiguousarray(faces)))
+
+
+@njit
+def _mark_used(n_points, faces):
+    """Whether each point occurs in faces, (n,) bool."""
+    used = np.zeros(n_points, np.bool_)
+    for v in faces.ravel():
+        used[v] = True
+    return used
 
 
 def format_point(point):
