@@ -73,7 +73,7 @@ def read_ply(path):
     found = _read_elements(data, header)
     if "vertex" not in found:
         raise MeshFormatError("The PLY file has no element vertex; export the mesh again.")
-    points = np.column_stack([values for values, _ in found["vertex"]]).astype(np.float64)
+    points = np.stack([values for values, _ in found["vertex"]], axis=1, dtype=np.float64)
     corners, sizes = _take_list(found, "face")
     strips, lengths = _take_list(found, "tristrips")
     if len(strips):
