@@ -167,15 +167,3 @@ def ahead(h):
 def behind(h):
     """The half-edge before, of the same face."""
     return h - 1 + 3 * (h % 3 == 0)
-
-
-@njit(inline="always")
-def head_of(corners, h):
-    """The vertex at which half-edge h ends; `corners` (3 m,) are the vertices at which they start."""
-    return corners[ahead(h)]
-
-
-@njit(inline="always")
-def turn_around(twins, h):
-    """The half-edge that leaves the same vertex in the neighbouring face."""
-    return twins[behind(h)]
