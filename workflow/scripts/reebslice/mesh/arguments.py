@@ -249,20 +249,24 @@ def check_fans(points, faces, twins):
 
 @njit
 def _find_pinch(corners, twins, n):
-    """A vertex that the walk around one of its corners does not meet in all of them, -1 if there is none."""
-    left = np.zeros(n, np.int32)
-    for h in range(len(corners)):
-        left[corners[h]] += 1
+    """A vertex with more than one fan, -1 if there is none.
+
+    One fan is walked of each vertex; none is pinched if these have all corners.
+    """
+    length = np.zeros(n, np.int32)
+    total = 0
     for h in range(len(corners)):
         v = corners[h]
-        if left[v] > 0:
-            g, met = h, 0
+        if length[v] == 0:
+            g = h
             while True:
-                met += 1
+                length[v] += 1
                 g = twins[g - 1 + 3 * (g % 3 == 0)]  # leaves the vertex in the next face around it
                 if g == h:
                     break
-            if met < left[v]:
-                return v
-            left[v] = 0
-    return -1
+            total += length[v]
+    if total == len(corners):
+        return -1
+    for h in range(len(corners)):
+        length[corners[h]] -= 1
+    return np.flatnonzero(length < 0)[0]
