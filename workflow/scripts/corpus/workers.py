@@ -52,10 +52,10 @@ def map_apart(work, items, limits):
         for place, item in enumerate(items):
             worker = worker or _Worker(work, items[place:], limits)
             result, fit = worker.receive()
-            yield result
             if not fit:
                 worker.end()
                 worker = None
+            yield result
     finally:
         if worker:
             worker.end()
