@@ -174,7 +174,7 @@ class Round:
 
     def __init__(self, folder, seed):
         self.folder, self.random = folder, random.Random(seed)
-        self.first = int(len(STAGES) * self.random.random() ** 0.5)  # rather a late one, which costs less
+        self.first = int(len(STAGES) * self.random.random() ** 0.4)  # rather a late one, which costs less
         self.note = ""
 
     def undo(self):

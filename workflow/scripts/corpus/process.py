@@ -40,6 +40,14 @@ def print_into(log):
     os.close(file)
 
 
+def log_line(text):
+    """Print a line, and the traceback of the exception that is being handled, if there is one; a full disk is no fault."""
+    with suppress(OSError):
+        if sys.exc_info()[0]:
+            traceback.print_exc()
+        print(text, flush=True)
+
+
 def _tell_end(log, terminal, kind, fault, trace):
     """Tell of an exception that ends this process."""
     sentence = " ".join(f"{ENDED}{describe_fault(fault)}".split())

@@ -17,7 +17,6 @@ import fcntl
 import os
 import shutil
 import time
-import traceback
 from contextlib import contextmanager, suppress
 from functools import partial
 from pathlib import Path
@@ -26,7 +25,7 @@ from typing import NamedTuple
 import pyarrow as pa
 
 from .layout import MODELS_FOLDER, STAGES, STATUS_SCHEMA, read_status
-from .process import Failed, describe_fault, peak_memory_mb, print_into, reset_peak_memory, trim_startup
+from .process import Failed, describe_fault, log_line, peak_memory_mb, print_into, reset_peak_memory, trim_startup
 from .receipts import make_key, move_in, receipt_name, valid_receipt, withdraw
 from .storage import content_key, write_json, write_parquet
 from .workers import Limits, Lost, map_apart
@@ -127,9 +126,9 @@ def _run_model(task, row):
                 receipt = _compute(task, row, folder, key)
                 told = f"in {receipt['seconds']:.2f} s"
     except Exception as fault:  # the folder, or what lies in it, cannot be read or written
-        traceback.print_exc()
+        log_line(f"{row['model']}: {folder} cannot be read or written.")
         receipt = _failure(key, f"{task.stage}: {folder}: {describe_fault(fault)}", time.perf_counter() - start)
-    print(f"{row['model']}: {receipt['status']}, {told}. {receipt['reason']}", flush=True)
+    log_line(f"{row['model']}: {receipt['status']}, {told}. {receipt['reason']}")
     return _new_row(row, receipt)
 
 
@@ -172,7 +171,7 @@ def _compute(task, row, folder, key):
     except Rejected as rejection:
         status, reason = "rejected", _one_line(str(rejection))
     except Exception as fault:
-        traceback.print_exc()
+        log_line(f"{row['model']}: a fault in {task.stage}.")
         status, reason = "failed", _one_line(f"{task.stage}: {describe_fault(fault)}")
     receipt = {
         "key": key,
@@ -196,7 +195,7 @@ def _lose(task, row, lost):
     """Leave of a model whose process ended what a failure leaves; return its new row."""
     folder = MODELS_FOLDER / row["model"]
     receipt = _failure(make_key(row["key"], task.options, task.code), f"{task.stage}: {lost.reason}", lost.seconds)
-    print(f"{row['model']}: failed. {receipt['reason']}", flush=True)
+    log_line(f"{row['model']}: failed. {receipt['reason']}")
     with suppress(OSError), _alone_in(folder):
         _leave(task, _make_scratch(folder, task.stage), folder, receipt, time.perf_counter() - lost.seconds)
     return _new_row(row, receipt)
