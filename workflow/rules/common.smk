@@ -55,7 +55,7 @@ wildcard_constraints:
 WITHDRAWN = []
 if workflow.is_main_process:
     OUTPUTS = {stage: read_outputs(SCRIPTS / f"{stage}.py") for stage in STAGES}
-    WITHDRAWN = find_broken_promises(BATCHES, OUTPUTS)
+    WITHDRAWN = find_broken_promises(BATCHES, OUTPUTS, config["verify"])
     for table in WITHDRAWN:
         Path(table).unlink(missing_ok=True)
     if OTHER_FILES:

@@ -21,8 +21,9 @@ import pyarrow as pa
 
 from .layout import MODELS_FOLDER, STAGES, STATUS_SCHEMA, read_status
 from .process import peak_memory_mb, print_into, reset_peak_memory, trim_startup
-from .receipts import make_key, move_in, receipt_name, valid_receipt, withdraw
-from .storage import content_key, write_json, write_parquet
+from .promises import vouch
+from .receipts import disown, make_key, move_in, unchanged_inputs, valid_receipt, withdraw, write_receipt
+from .storage import AlteredFileError, content_key, write_parquet
 
 
 class Rejected(Exception):
@@ -49,18 +50,19 @@ def run_batch(snakemake, main, outputs, digest=None):
         rows = read_status(snakemake.input.status)
     else:
         rows = _first_rows(parameters.models, parameters.paths, digest)
-    done = run_models(stage, rows, main, outputs, parameters.options, parameters.code)
+    done = run_models(stage, rows, main, outputs, parameters.options, parameters.code, digest)
+    done = vouch(stage, done, outputs)
     write_parquet(snakemake.output.status, pa.Table.from_pylist(done, schema=STATUS_SCHEMA))
 
 
-def run_models(stage, rows, main, outputs, options, code):
+def run_models(stage, rows, main, outputs, options, code, digest=None):
     """Run the stage `main` on models, one after the other; return their rows of the status table.
 
     `rows` are those of the stage before. A model's files lie in
     :data:`MODELS_FOLDER` of the working directory; one whose receipt still
     holds is not computed, and keeps its seconds and memory.
     """
-    return [_run_model(stage, row, main, outputs, options, code) for row in rows]
+    return [_run_model(stage, row, main, outputs, options, code, digest) for row in rows]
 
 
 # --------------------------------------------------------------------------
@@ -75,7 +77,7 @@ def _first_rows(models, paths, digest):
     ]
 
 
-def _run_model(stage, row, main, outputs, options, code):
+def _run_model(stage, row, main, outputs, options, code, digest):
     """Run the stage on one model, or take over what is there; return its new row."""
     folder = MODELS_FOLDER / row["model"]
     same = {"model": row["model"], "path": row["path"]}
@@ -86,34 +88,38 @@ def _run_model(stage, row, main, outputs, options, code):
     key = make_key(row["key"], options, code)
     receipt = valid_receipt(folder, stage, key, outputs)
     if receipt is None:
-        source = Path(row["path"]) if stage == STAGES[0] else folder
-        receipt = _compute(stage, source, folder, main, outputs, options, key)
+        receipt = _compute(stage, row, main, outputs, options, key, digest)
         print(f"{row['model']}: {receipt['status']} in {receipt['seconds']:.2f} s. {receipt['reason']}", flush=True)
     else:
         print(f"{row['model']}: {receipt['status']}, already there. {receipt['reason']}", flush=True)
     return same | {name: receipt[name] for name in ("status", "reason", "seconds", "peak_memory_mb", "key")}
 
 
-def _compute(stage, source, folder, main, outputs, options, key):
+def _compute(stage, row, main, outputs, options, key, digest):
     """Run the stage into a scratch folder, move the outputs in and return the receipt.
 
     Its seconds are those of all that the model causes in this stage: reading,
     computing, writing and moving in, all but the receipt itself, which tells them.
     """
-    start = time.perf_counter()
+    start, folder = time.perf_counter(), MODELS_FOLDER / row["model"]
+    source = Path(row["path"]) if stage == STAGES[0] else folder
     scratch = _make_scratch(folder / f".{stage}.scratch")
     reset_peak_memory()
     status, reason = "ok", ""
     try:
-        with content_key(key):
+        with unchanged_inputs(stage, row, digest) as keys, content_key(key, keys):
             main(source, scratch, options)
         _check_written(scratch, outputs)
     except Rejected as rejection:
         status, reason = "rejected", _one_line(str(rejection))
+    except AlteredFileError as fault:
+        status, reason = "failed", _one_line(str(fault))
+        disown(row["model"], fault.path)
     except Exception as fault:
         traceback.print_exc()
         status, reason = "failed", _one_line(f"{stage}: {type(fault).__name__}: {fault}")
     receipt = {
+        "before": row["key"],
         "key": key,
         "outputs": _kept(scratch, outputs, status),
         "peak_memory_mb": peak_memory_mb(),
@@ -122,7 +128,7 @@ def _compute(stage, source, folder, main, outputs, options, key):
     }
     move_in(stage, scratch, folder, outputs, receipt)
     receipt["seconds"] = round(time.perf_counter() - start, 4)
-    write_json(folder / receipt_name(stage), receipt)
+    write_receipt(folder, stage, receipt)
     return receipt
 
 
