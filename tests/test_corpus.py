@@ -17,7 +17,7 @@ from corpus.code_digest import digest_code, find_sources, read_outputs
 from corpus.companions import digest_mesh
 from corpus.discovery import CorpusError, InputFile, find_models
 from corpus.layout import MODELS_FOLDER, STAGES, STATUS_SCHEMA
-from corpus.promises import find_broken_promises
+from corpus.promises import find_broken_promises, vouch
 from corpus.receipts import make_key, receipt_name
 from corpus.stages import Rejected, run_models
 from corpus.storage import read_json, write_json, write_parquet
@@ -338,10 +338,10 @@ def test_key_depends_on_all_of_its_parts_and_not_on_the_order_of_options():
 # Promises
 
 
-def promised(rows, stage):
+def promised(rows, stage, outputs):
     """The status table of one batch, as Snakemake would track it."""
     path = layout.STATUS_FOLDER / stage / "batch-all.parquet"
-    write_parquet(path, pa.Table.from_pylist(list(rows), schema=layout.STATUS_SCHEMA))
+    write_parquet(path, pa.Table.from_pylist(vouch(stage, list(rows), outputs), schema=layout.STATUS_SCHEMA))
     return str(path)
 
 
@@ -351,8 +351,8 @@ def corpus_of_two_stages(monkeypatch):
     monkeypatch.setattr(promises, "STAGES", STAGES[:2])
     inspect, tilt = Stage(), Stage("tilt_")
     rows = run(inspect, first_rows(a="x", b="reject"))
-    first = promised(rows.values(), STAGES[0])
-    second = promised(run(tilt, rows.values(), "select_tilt").values(), STAGES[1])
+    first = promised(rows.values(), STAGES[0], inspect.outputs)
+    second = promised(run(tilt, rows.values(), "select_tilt").values(), STAGES[1], tilt.outputs)
     return first, second, {STAGES[0]: inspect.outputs, STAGES[1]: tilt.outputs}
 
 
@@ -390,7 +390,7 @@ def test_a_failure_is_tried_again(corpus_of_two_stages):
 
 def models_of(*batches):
     """The table of models whose ids are the letters of the batches, each with its name."""
-    row = {"status": "ok", "reason": "", "seconds": 0.5, "peak_memory_mb": 10.0, "key": "k"}
+    row = {"status": "ok", "reason": "", "seconds": 0.5, "peak_memory_mb": 10.0, "key": "k", "stamp": "s"}
     for name, models in batches:
         rows = [row | {"model": model, "path": f"m/{model}.stl"} for model in models]
         for stage in STAGES:

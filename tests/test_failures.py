@@ -22,7 +22,7 @@ from corpus.companions import digest_mesh
 from corpus.discovery import find_models
 from corpus.layout import MODELS_FOLDER, STAGES
 from corpus.model_table import count_models, make_model_table
-from corpus.receipts import receipt_name
+from corpus.receipts import receipt_name, write_receipt
 from corpus.stages import run_models
 from corpus.storage import read_json, write_json, write_parquet
 from corpus.workers import Limits, Lost, map_apart
@@ -56,7 +56,7 @@ def act(source, target, options):
 
 
 def run_apart(rows, main=act, **limits):
-    found = run_models(STAGES[0], rows, main, OUTPUTS, {}, "c", Limits(**limits))
+    found = run_models(STAGES[0], rows, main, OUTPUTS, {}, "c", digest_mesh, Limits(**limits))
     return {row["model"]: row for row in found}
 
 
@@ -168,12 +168,12 @@ def test_a_folder_that_is_none_stops_no_other(make):
 
 
 def test_a_receipt_that_cannot_be_written_fails_its_model(monkeypatch):
-    def refuse(path, facts):
-        if "models/b" in str(path):
-            raise OSError(errno.EROFS, "Read-only file system", str(path))
-        write_json(path, facts)
+    def refuse(folder, stage, receipt):
+        if folder.name == "b":
+            raise OSError(errno.EROFS, "Read-only file system", str(folder))
+        write_receipt(folder, stage, receipt)
 
-    monkeypatch.setattr(stages, "write_json", refuse)
+    monkeypatch.setattr(stages, "write_receipt", refuse)
     rows = run_apart(first_rows(a="x", b="y", c="z"))
     assert [rows[model]["status"] for model in "abc"] == ["ok", "failed", "ok"]
     assert "Read-only file system" in rows["b"]["reason"]

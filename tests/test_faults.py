@@ -2,14 +2,12 @@
 
 import os
 import shutil
-import signal
-from pathlib import Path
 
 import faults
 import pytest
 
 from corpus.layout import STAGES
-from corpus.storage import read_json
+from corpus.receipts import receipt_name
 
 
 @pytest.fixture(scope="module")
@@ -39,3 +37,27 @@ def test_a_fingerprint_tells_what_differs(base, folder):
     (folder / "results/models/tall/.draw.scratch").mkdir()
     names = ["results/models/tall/.draw.scratch", "results/models/tall/nodes.parquet", "results/models/tall/picture.png"]
     assert faults.compare(base[1], faults.fingerprint(folder)) == names
+
+
+def test_planning_shows_no_traceback_whatever_it_finds(base, folder):
+    models, status = folder / "results/models", folder / "results/status"
+    (folder / "meshes/loop.off").symlink_to("loop.off")
+    for number, text in enumerate(["", "{}", "[]", '{"key": ', "\0" * 100]):
+        (models / "tall" / receipt_name(STAGES[number])).write_text(text)
+    receipt = models / "round" / receipt_name("draw")
+    receipt.unlink()
+    receipt.mkdir()
+    shutil.rmtree(models / "torn")
+    (models / "torn").touch()
+    for stage, path in zip(STAGES, sorted(status.glob("*/*.parquet")), strict=False):
+        os.truncate(path, 30)
+    table = sorted(status.glob("draw/*.parquet"))[0]
+    table.unlink()
+    table.mkdir()
+    (folder / "results/corpus/models.parquet").write_bytes(b"")
+    code, said = faults.run(folder, "-n")
+    assert code == 0 and "Traceback" not in said and "loop.off (no file: Too many levels of symbolic links)" in said
+    faults.run(folder)
+    (models / "torn").unlink()
+    assert faults.settle(folder) == 1
+    assert faults.compare(base[1], faults.fingerprint(folder)) == []

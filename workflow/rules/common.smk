@@ -3,6 +3,7 @@
 # it meets Snakemake.
 
 import os
+import shutil
 import sys
 import tempfile
 import time
@@ -54,6 +55,14 @@ wildcard_constraints:
     batch=r"batch-(all|[01]+)|alone-[0-9a-f]+",
 
 
+def withdraw_table(table):
+    """Remove what is in a table's place, so that Snakemake has it made again."""
+    try:
+        shutil.rmtree(table) if os.path.isdir(table) else Path(table).unlink(missing_ok=True)
+    except OSError as fault:
+        raise WorkflowError(f"{table} is not what it should be, and cannot be removed: {fault.strerror}") from None
+
+
 # A status table stands for the files of its models, which Snakemake does not
 # track. One that promises more than there is, is withdrawn and asked for
 # again by the default target, so its batch runs, restores what is missing and passes over
@@ -61,9 +70,9 @@ wildcard_constraints:
 WITHDRAWN = []
 if workflow.is_main_process:
     OUTPUTS = {stage: read_outputs(SCRIPTS / f"{stage}.py") for stage in STAGES}
-    WITHDRAWN = find_broken_promises(BATCHES, OUTPUTS)
+    WITHDRAWN = find_broken_promises(BATCHES, OUTPUTS, config["verify"])
     for table in WITHDRAWN:
-        Path(table).unlink(missing_ok=True)
+        withdraw_table(table)
     if OTHER_FILES:
         logger.warning(
             f"{len(OTHER_FILES)} names in {config['meshes']} are no meshes that can be read "

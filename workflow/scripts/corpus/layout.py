@@ -18,7 +18,8 @@ STAGES = (
 MODELS_FOLDER = Path("results/models")
 
 # One row per model of the batch. `path` is the mesh file; `reason` is empty
-# for `ok`; `key` is the content key of the stage's outputs.
+# for `ok`; `key` is the content key of the stage's outputs; `stamp` tells whether
+# they are still the files that they were (corpus.promises).
 STATUS_SCHEMA = pa.schema(
     [
         pa.field("model", pa.string(), nullable=False),
@@ -28,6 +29,7 @@ STATUS_SCHEMA = pa.schema(
         pa.field("seconds", pa.float64(), nullable=True),
         pa.field("peak_memory_mb", pa.float64(), nullable=True),
         pa.field("key", pa.string(), nullable=False),
+        pa.field("stamp", pa.string(), nullable=False),
     ]
 )
 

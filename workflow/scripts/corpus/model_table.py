@@ -11,7 +11,7 @@ import pyarrow.compute as pc
 import pyarrow.parquet as pq
 
 from .layout import MODELS_FOLDER, STAGES, read_status
-from .receipts import receipt_name
+from .receipts import forget_stage
 from .storage import read_json
 
 # Files of figures, and the stages that write them; of figures of one name, that of the later file counts.
@@ -89,7 +89,7 @@ def _figures(model):
         except (OSError, ValueError, AttributeError, RecursionError) as broken:  # damaged, or no group of figures
             fault = f"{path} cannot be read ({type(broken).__name__}: {broken}); the next run makes it again"
             with suppress(OSError):
-                (MODELS_FOLDER / model / receipt_name(stage)).unlink()
+                forget_stage([model], stage)
     return figures, fault
 
 

@@ -26,8 +26,10 @@ import pyarrow as pa
 
 from .layout import MODELS_FOLDER, STAGES, STATUS_SCHEMA, read_status
 from .process import Failed, describe_fault, log_line, peak_memory_mb, print_into, reset_peak_memory, trim_startup
-from .receipts import make_key, move_in, receipt_name, valid_receipt, withdraw
-from .storage import content_key, write_json, write_parquet
+from .promises import vouch
+from .receipts import disown, make_key, move_in, unchanged_inputs, valid_receipt, withdraw, write_receipt
+from .storage import AlteredFileError, content_key, write_parquet
+from .whole_files import remove_remains
 from .workers import Limits, Lost, map_apart
 
 
@@ -40,13 +42,17 @@ class Rejected(Exception):
 
 
 class _Task(NamedTuple):
-    """What is to be done to every model: the stage, its function, outputs and options, and the digest of its code."""
+    """What is to be done to every model: the stage, its function, outputs and options, and the digest of its code.
+
+    Of the first stage also the function that gives the key of a mesh file.
+    """
 
     stage: str
     main: object
     outputs: tuple
     options: dict
     code: str
+    digest: object = None
 
 
 def run_batch(snakemake, main, outputs, digest=None):
@@ -67,11 +73,14 @@ def run_batch(snakemake, main, outputs, digest=None):
         rows = _first_rows(parameters.models, parameters.paths, digest)
     # Of the configuration, not the parameters: other limits are no reason to run what has been done within these.
     limits = Limits(**snakemake.config["limits"])
-    done = run_models(stage, rows, main, outputs, parameters.options, parameters.code, limits)
-    write_parquet(snakemake.output.status, pa.Table.from_pylist(done, schema=STATUS_SCHEMA))
+    done = run_models(stage, rows, main, outputs, parameters.options, parameters.code, digest, limits)
+    done = vouch(stage, done, outputs)
+    status = Path(snakemake.output.status)
+    remove_remains(status.parent, status.name)
+    write_parquet(status, pa.Table.from_pylist(done, schema=STATUS_SCHEMA))
 
 
-def run_models(stage, rows, main, outputs, options, code, limits=None):
+def run_models(stage, rows, main, outputs, options, code, digest=None, limits=None):
     """Run the stage `main` on models, one after the other; return their rows of the status table.
 
     `rows` are those of the stage before. A model's files lie in
@@ -79,7 +88,7 @@ def run_models(stage, rows, main, outputs, options, code, limits=None):
     holds is not computed, and keeps its seconds and memory. Within `limits`,
     :class:`.workers.Limits`, a child process does the work; without, this one.
     """
-    task = _Task(stage, main, outputs, options, code)
+    task = _Task(stage, main, outputs, options, code, digest)
     if limits is None:
         return [_run_model(task, row) for row in rows]
     found = map_apart(partial(_run_apart, task), rows, limits)
@@ -165,15 +174,19 @@ def _compute(task, row, folder, key):
     try:
         if row["key"] is None:
             raise Failed(row["reason"])
-        with content_key(key):
+        with unchanged_inputs(task.stage, row, task.digest) as keys, content_key(key, keys):
             task.main(source, scratch, task.options)
         _check_written(scratch, task.outputs)
     except Rejected as rejection:
         status, reason = "rejected", _one_line(str(rejection))
+    except AlteredFileError as fault:
+        status, reason = "failed", _one_line(str(fault))
+        disown(row["model"], fault.path)
     except Exception as fault:
         log_line(f"{row['model']}: a fault in {task.stage}.")
         status, reason = "failed", _one_line(f"{task.stage}: {describe_fault(fault)}")
     receipt = {
+        "before": row["key"],
         "key": key,
         "outputs": _kept(scratch, task.outputs, status),
         "peak_memory_mb": peak_memory_mb(),
@@ -187,14 +200,15 @@ def _leave(task, scratch, folder, receipt, start):
     """Move the outputs in that the receipt lists, and write it; return it."""
     move_in(task.stage, scratch, folder, task.outputs, receipt)
     receipt["seconds"] = round(time.perf_counter() - start, 4)
-    write_json(folder / receipt_name(task.stage), receipt)
+    write_receipt(folder, task.stage, receipt)
     return receipt
 
 
 def _lose(task, row, lost):
     """Leave of a model whose process ended what a failure leaves; return its new row."""
     folder = MODELS_FOLDER / row["model"]
-    receipt = _failure(make_key(row["key"], task.options, task.code), f"{task.stage}: {lost.reason}", lost.seconds)
+    key = make_key(row["key"], task.options, task.code)
+    receipt = {"before": row["key"]} | _failure(key, f"{task.stage}: {lost.reason}", lost.seconds)
     log_line(f"{row['model']}: failed. {receipt['reason']}")
     with suppress(OSError), _alone_in(folder):
         _leave(task, _make_scratch(folder, task.stage), folder, receipt, time.perf_counter() - lost.seconds)
@@ -217,6 +231,7 @@ def _failure(key, reason, seconds):
 def _make_scratch(folder, stage):
     """Make an empty folder for what a stage writes, whatever a run that was killed left there; return its path."""
     scratch = folder / f".{stage}.scratch"
+    remove_remains(folder)
     try:
         scratch.mkdir(parents=True)
     except FileExistsError:

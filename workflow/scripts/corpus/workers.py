@@ -8,6 +8,7 @@ with the next.
 """
 
 import ctypes
+import faulthandler
 import multiprocessing
 import os
 import signal
@@ -98,6 +99,7 @@ def _serve(pipe, work, items, memory, parent):
     """Work on the items until one leaves this process unfit; tell of each through the pipe."""
     _die_with(parent)
     _limit_memory(memory)
+    faulthandler.enable()  # so that the log tells where compiled code went wrong
     for item in items:
         result, fit = work(item)
         pipe.send((result, fit))
