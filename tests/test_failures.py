@@ -1,7 +1,6 @@
 """What ends a model, or the process that works on it, and stops no other."""
 
 import errno
-import json
 import os
 import signal
 import subprocess
@@ -10,22 +9,21 @@ import time
 from pathlib import Path
 
 import numpy as np
-import pyarrow.parquet as pq
 import pytest
-import test_corpus as corpus
-from test_corpus import SCRIPTS, first_rows, models_of, put, run
 
 import inspect_mesh
-from corpus import companions, process, stages
+import test_corpus as corpus
+from corpus import process, stages
 from corpus.batches import describe_meshes
 from corpus.companions import digest_mesh
 from corpus.discovery import find_models
 from corpus.layout import MODELS_FOLDER, STAGES
-from corpus.model_table import count_models, make_model_table
+from corpus.model_table import count_models
 from corpus.receipts import receipt_name, write_receipt
 from corpus.stages import run_models
 from corpus.storage import read_json, write_json, write_parquet
 from corpus.workers import Limits, Lost, map_apart
+from test_corpus import SCRIPTS, first_rows, models_of, put, run
 
 OUTPUTS = ("text.txt",)
 
@@ -97,7 +95,11 @@ def test_models_share_a_process_until_one_fails():
 
 def test_what_a_lost_model_had_before_goes():
     run_apart(first_rows(a="x"))
-    run(corpus.Stage("tilt_"), [{"model": "a", "path": "m/a.stl", "status": "ok", "reason": "", "key": "k"}], "select_tilt")
+    run(
+        corpus.Stage("tilt_"),
+        [{"model": "a", "path": "m/a.stl", "status": "ok", "reason": "", "key": "k"}],
+        "select_tilt",
+    )
     run_apart(first_rows(a="SIGKILL"))
     assert corpus.files("a") == {receipt_name("inspect_mesh")}
 
@@ -255,7 +257,9 @@ def test_a_job_says_why_it_ended_in_its_log_and_on_the_terminal():
     begun = time.time() - 1
     done = end_job("import errno\nraise OSError(errno.ENOSPC, 'No space left on device', 'results/x')")
     assert done.returncode == 1
-    assert done.stderr.startswith("logs/a.log: This job ended: the disk is full, or a quota used up (OSError: [Errno 28]")
+    assert done.stderr.startswith(
+        "logs/a.log: This job ended: the disk is full, or a quota used up (OSError: [Errno 28]"
+    )
     log = Path("logs/a.log").read_text()
     assert log.startswith("at work") and "Traceback" in log
     words = process.find_last_words("logs", begun)

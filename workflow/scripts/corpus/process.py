@@ -41,7 +41,7 @@ def print_into(log):
 
 
 def log_line(text):
-    """Print a line, and the traceback of the exception that is being handled, if there is one; a full disk is no fault."""
+    """Print a line, after the traceback of the exception that is being handled, if any; a full disk is no fault."""
     with suppress(OSError):
         if sys.exc_info()[0]:
             traceback.print_exc()
@@ -72,7 +72,7 @@ def describe_fault(fault):
 
 
 def find_last_words(logs, since):
-    """Return, of every log below the folder `logs` changed since a time, by its path, why its job ended, if it says so."""
+    """Return why jobs ended, by the paths of their logs: of those below `logs`, changed since a time, that say so."""
     words = {}
     for path in sorted(Path(logs).glob("**/*.log")):
         with suppress(OSError):

@@ -50,7 +50,7 @@ def map_apart(work, items, limits):
     """
     worker = None
     try:
-        for place, item in enumerate(items):
+        for place in range(len(items)):
             worker = worker or _Worker(work, items[place:], limits)
             result, fit = worker.receive()
             if not fit:
