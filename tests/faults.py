@@ -35,14 +35,14 @@ def play(base, expected, fault, seed, first=None):
     begun = time.time()
     try:
         fault(round)
-        count = settle(folder)
+        count, hints = settle(folder)
         differences = compare(expected, fingerprint(folder))
-    except RuntimeError as error:
-        count, differences = 0, [str(error)]
+    except Exception as error:  # a round that breaks counts as one that differs
+        count, hints, differences = 0, [], [f"{type(error).__name__}: {error}"]
     if not differences:
         shutil.rmtree(folder)
-    told = f"{fault.__name__} (seed {seed}):{round.note}; {count} runs to settle, {time.time() - begun:.1f} s in all"
-    return told, differences
+    settled = " ".join([f"{count} runs", *hints])
+    return f"{fault.__name__} (seed {seed}):{round.note}; {settled}, {time.time() - begun:.1f} s in all", differences
 
 
 def main(rounds, seed=0):

@@ -100,22 +100,24 @@ def run(folder, *arguments, **keywords):
 
 
 def settle(folder):
-    """Run the workflow until it comes to its end, as its hints say; return how often that took, and what was said.
+    """Run the workflow until it comes to its end, as its hints say; return how many runs that took, and the hints.
 
     Raises RuntimeError where it does not, or where a run shows a traceback.
     """
-    hints, heard = [], []
+    hints, heard, given = [], [], []
     for count in range(1, MOST_RUNS + 1):
         code, said = run(folder, *hints)
         heard.append(said)
         if "Traceback" in said:
             raise RuntimeError(f"a traceback:\n{said}")
         if not code:
-            return count
+            return count, given
         if "--unlock" in said:
+            given.append("--unlock")
             run(folder, "--unlock")
         if "--rerun-incomplete" in said:
             hints = ["--rerun-incomplete"]
+            given += hints
     raise RuntimeError(f"no run of {MOST_RUNS} came to its end; they said:\n" + "\n".join(heard))
 
 

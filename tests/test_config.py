@@ -145,7 +145,7 @@ def test_whole_numbers_and_reals_of_one_value_are_one_option():
             "levels.feature_size is 1.9e-06: every model would have",
         ),
         ({"levels": {"feature_size": 5e-324}}, "levels.feature_size is 5e-324: no mesh is so small"),
-        ({"limits": {"memory": 10}}, "limits.memory is 10.0: must be at least 1000"),
+        ({"limits": {"memory": 10}}, "limits.memory is 10.0: must be at least 500"),
         ({"limits": {"memory": 1e300}}, "limits.memory is 1e+300: must be at most 1000000000"),
         ({"limits": {"minutes": 0.1}}, "limits.minutes is 0.1: must be at least 1"),
     ],
@@ -243,7 +243,7 @@ def test_a_configuration_that_is_accepted_fails_no_model(given_config):
                 raise
 
 
-@pytest.mark.parametrize("limits", [{"memory": 1000, "minutes": 1}, {"memory": 1e9, "minutes": 10000}, {}])
+@pytest.mark.parametrize("limits", [{"memory": 500, "minutes": 1}, {"memory": 1e9, "minutes": 10000}, {}])
 def test_limits_that_are_accepted_can_be_set(limits):
     limits = Limits(**check_config(changed(limits=limits), SCHEMA)["limits"])
     assert list(map_apart(lambda item: (item + 1, True), [1, 2], limits)) == [2, 3]

@@ -19,7 +19,7 @@ from typing import NamedTuple
 
 
 class Limits(NamedTuple):
-    """What one model may take in one stage: `memory` in MB and `minutes`, None for no limit."""
+    """What one model may take in one stage: `memory` in MB beside that of libraries, `minutes`; None for no limit."""
 
     memory: float | None = None
     minutes: float | None = None
@@ -116,14 +116,17 @@ def _die_with(parent):
 
 
 def _limit_memory(megabytes):
-    """Have requests for more memory than this refused; and be the first to be killed where the machine runs out."""
+    """Have requests for so much more memory refused (Linux); be the first to be killed where the machine runs out."""
     with suppress(OSError):
         Path("/proc/self/oom_score_adj").write_text("500")
     if megabytes is not None:
         import resource
 
-        most = int(megabytes * 2**20)
-        resource.setrlimit(resource.RLIMIT_DATA, (most, most))
+        with suppress(OSError):  # what libraries and their threads have set aside differs from machine to machine
+            lines = Path("/proc/self/status").read_text().splitlines()
+            held = next(int(line.split()[1]) * 1024 for line in lines if line.startswith("VmData"))
+            most = held + int(megabytes * 2**20)
+            resource.setrlimit(resource.RLIMIT_DATA, (most, most))
 
 
 def _say_end(exitcode, memory):
