@@ -3,11 +3,13 @@
 import json
 import os
 import random
+import resource
 import shutil
 import signal
 import subprocess
 import time
 from contextlib import contextmanager, suppress
+from functools import partial
 
 import psutil
 import pyarrow.parquet as pq
@@ -106,47 +108,41 @@ def _is_job(process):
 
 
 def fill_disk(round):
-    """The disk is full, but for a little."""
+    """The disk, that of results or that of the whole folder, is full but for a little."""
     left = round.random.choice([0, 4, 20, 60, 200])  # kilobytes
-    round.note += f" {left} kB left"
-    with _small_disk(round.folder, left) as limited:
+    place = round.random.choice([round.folder, round.folder / "results"])
+    round.note += f" {left} kB left for {'results' if place != round.folder else 'all'}"
+    with _small_disk(place, left) as limited:
         code, said = run(round.folder, preexec_fn=limited)
-    if code and "disk" not in said:
+    if code and not ("disk" in said or "No space left" in said):
         raise RuntimeError(f"nothing is said of the disk:\n{said}")
 
 
 @contextmanager
-def _small_disk(folder, left):
-    """Leave so many kilobytes on the disk of results, one in memory; or, where none can be mounted, in any one file."""
-    results, aside = folder / "results", folder / "aside"
-    results.rename(aside)
-    results.mkdir()
-    size = 8192
-    mounted = not subprocess.run(
-        ["mount", "-t", "tmpfs", "-o", f"size={size}k", "none", results], check=False
-    ).returncode
-    shutil.copytree(aside, results, dirs_exist_ok=True)
+def _small_disk(place, left):
+    """Put a folder on a disk in memory with some kilobytes left; where none can be mounted, bound every file so."""
+    aside = place.with_name(f"{place.name}.aside")
+    place.rename(aside)
+    place.mkdir()
+    mount = ["mount", "-t", "tmpfs", "-o", "size=16m", "none", str(place)]
+    mounted = not subprocess.run(mount, check=False).returncode
+    shutil.copytree(aside, place, dirs_exist_ok=True)
     try:
         if mounted:
-            free = os.statvfs(results)
-            with open(results / "filler", "wb") as filler:
-                filler.write(bytes(max(free.f_bavail * free.f_frsize - left * 1024, 0)))
-            yield None
-        else:
-            import resource
-
-            yield lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (left * 1024, left * 1024))
+            free = os.statvfs(place)
+            (place / "filler").write_bytes(bytes(max(free.f_bavail * free.f_frsize - left * 1024, 0)))
+        yield None if mounted else partial(resource.setrlimit, resource.RLIMIT_FSIZE, (left * 1024, left * 1024))
     finally:
-        (results / "filler").unlink(missing_ok=True)
+        (place / "filler").unlink(missing_ok=True)
         shutil.rmtree(aside)
-        shutil.copytree(results, aside)
+        shutil.copytree(place, aside, symlinks=True)
         if mounted:
-            subprocess.run(["umount", results], check=True)
+            subprocess.run(["umount", place], check=True)
         else:
-            shutil.rmtree(results)
-            results.mkdir()
-        results.rmdir()
-        aside.rename(results)
+            shutil.rmtree(place)
+            place.mkdir()
+        place.rmdir()
+        aside.rename(place)
 
 
 def edit_before(round):

@@ -149,7 +149,8 @@ def _content(path):
         ).encode()
     if path.name in {receipt_name(stage) for stage in STAGES}:
         receipt = json.loads(path.read_text())
-        return json.dumps([receipt[name] for name in ("key", "outputs", "reason", "status")]).encode()
+        marks = {name: (size, digest) for name, (size, _, digest) in receipt["outputs"].items()}
+        return json.dumps([marks, *(receipt[name] for name in ("before", "key", "reason", "status"))]).encode()
     if path.parent.name == "corpus" and path.suffix == ".json":
         return b""  # stamps of tables
     return path.read_bytes()
