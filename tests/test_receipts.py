@@ -19,7 +19,14 @@ from corpus.promises import find_broken_promises
 from corpus.receipts import read_receipt, receipt_name, seal_table, write_receipt
 from corpus.stages import Rejected
 from corpus.storage import (
-    AlteredFileError, content_key, read_json, read_table, write_json, write_parquet, write_table, write_text,
+    AlteredFileError,
+    content_key,
+    read_json,
+    read_table,
+    write_json,
+    write_parquet,
+    write_table,
+    write_text,
 )  # fmt: skip
 from corpus.surfaces import read_faces
 from reebslice.schemas import SCHEMAS
@@ -101,7 +108,7 @@ def broken(**keywords):
 
 
 def run_all(**keywords):
-    """A run of the workflow: what is broken is withdrawn, and jobs run whose table is gone, or which come behind one."""
+    """A run of the workflow: what is broken is withdrawn; jobs run whose table is gone, and those behind them."""
     for table in broken(**keywords):
         Path(table).unlink(missing_ok=True)
     due, rows = False, {}
@@ -373,9 +380,9 @@ def test_the_certifier_digests_what_it_reads(finished):
     row = {"model": "a", "key": read_receipt(MODELS_FOLDER / "a", "slice_mesh")["key"]}
     with receipts.unchanged_inputs("classify_handles", row):
         pass
-    with pytest.raises(AlteredFileError, match=r"note.txt: is not the file that slice_mesh wrote"):
-        with receipts.unchanged_inputs("certify", row):
-            pass
+    wrong = pytest.raises(AlteredFileError, match=r"note.txt: is not the file that slice_mesh wrote")
+    with wrong, receipts.unchanged_inputs("certify", row):
+        pass
 
 
 def test_receipts_of_two_runs_are_no_chain(finished, monkeypatch):

@@ -7,6 +7,7 @@ the table was written for takes no more than a look at their folder.
 
 import hashlib
 import os
+from array import array
 
 import pyarrow as pa
 import pyarrow.parquet as pq
@@ -14,6 +15,8 @@ import pyarrow.parquet as pq
 from .layout import MODELS_FOLDER, MODELS_TABLE, STAGES, STATUS_FOLDER, STATUS_SCHEMA
 from .receipts import receipt_name, valid_receipt
 from .whole_files import sync
+
+ABSENT = (-1, -1)
 
 
 def vouch(stage, rows, outputs):
@@ -91,16 +94,23 @@ def _first_broken_stage(model, tables, outputs):
 
 
 def _stamp(row, files, *names):
-    """Return the stamp of a model: of its key, and of those of these files that are there."""
-    there = [(name, files[name]) for name in names if name in files]
-    return hashlib.blake2b(repr((row["key"], row["status"], there)).encode(), digest_size=16).hexdigest()
+    """Return the stamp of a model: of its key, and of size and time of these files, where they are there."""
+    numbers = array("q", [number for name in names for number in files.get(name, ABSENT)])
+    told = f"{row['status']} {row['key']} ".encode() + numbers.tobytes()
+    return hashlib.blake2b(told, digest_size=16).hexdigest()
 
 
 def _stat_files(model):
-    """Return size and time of every file in a model's folder."""
+    """Return size and time of every file in a model's folder, as far as there is one."""
+    files = {}
     try:
         with os.scandir(MODELS_FOLDER / model) as entries:
-            stats = {entry.name: entry.stat() for entry in entries}
+            for entry in entries:
+                try:
+                    stat = entry.stat()
+                except OSError:  # a link to nothing
+                    continue
+                files[entry.name] = stat.st_size, stat.st_mtime_ns
     except OSError:
-        return {}
-    return {name: (stat.st_size, stat.st_mtime_ns) for name, stat in stats.items()}
+        pass
+    return files
