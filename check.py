@@ -203,8 +203,8 @@ def prune(edges, kept, height, noise):
         v, degree = min(loose.items(), key=lambda pair: pair[::-1])
         at = sorted((edge for edge in edges if v in edge[:2]), key=lambda edge: edge[0] == v)
         leaf = degree == 1 and height[at[0][1]] - height[at[0][0]] <= noise
-        need(leaf or (degree == 2 and at[0][1] == v == at[1][0]), "an event of the surface is not among the handles")
-        edges = [edge for edge in edges if v not in edge[:2]] + [(at[0][0], at[1][1], at[0][2])] * (degree == 2)
+        need(leaf or (degree == 2 and at[0][1] == v == at[-1][0]), "an event of the surface is not among the handles")
+        edges = [edge for edge in edges if v not in edge[:2]] + [(at[0][0], at[-1][1], at[0][2])] * (degree == 2)
     return edges
 
 
