@@ -117,8 +117,7 @@ class Slices:
         _, first, self.contour = np.unique(contour, return_index=True, return_inverse=True)
         self.under, self.over = (piece[cell[self.face] + self.level + k][first] for k in (0, 1))
         self.home = np.empty(n, int)
-        for corner in self.corners:
-            self.home[corner] = piece[cell + slab[corner]]
+        self.home[self.corners] = piece[cell + slab[self.corners]]
         self.ends = np.stack([np.bincount(side, minlength=piece.max() + 1) for side in (self.over, self.under)])
         self.euler = np.bincount(self.home, 1 - np.bincount(middle, minlength=n) // 2, piece.max() + 1)
         self.genus = (2 - self.ends.sum(axis=0) - self.euler) / 2
@@ -126,10 +125,9 @@ class Slices:
 
 
 def view_contours(s, body):
-    """(3) Make a function of a contour: whether it is inner, and which contours lie to the right of it on some line.
+    """(3) Make a function of a contour: whether it is inner, and which contours a line y = const. meets behind it.
 
-    In rational numbers, by plane sections at heights z + e x + e^2 y with an e so small that ranks stay. The line is
-    one of constant y that crosses the contour; told is what it meets beyond the contour's last point on it.
+    In rational numbers, by sections with planes z + e x + e^2 y = const., where e is so small that ranks stay.
     """
     step, reach = min(np.diff(np.unique(s.points[:, k])).min(initial=1.0) for k in (0, 2)), np.abs(s.points).max()
     e, y_of = Fraction(step) / (8 + 8 * Fraction(reach)), s.points[:, 1][s.corners][:, s.face]
@@ -146,7 +144,8 @@ def view_contours(s, body):
         cut, spots = s.cuts[s.level[i]], []
         plane = (place(cut - 1)[2] + place(cut)[2]) / 2
         for (px, py, p), (qx, qy, q) in (map(place, (a, c)), map(place, (a, b) if b >= cut else (b, c))):
-            spots.append((px + (plane - p) / (q - p) * (qx - px), py + (plane - p) / (q - p) * (qy - py)))
+            share = (plane - p) / (q - p)
+            spots.append((px + share * (qx - px), py + share * (qy - py)))
         return spots if s.even[s.face[i]] else spots[::-1]
 
     @cache
@@ -281,6 +280,7 @@ def check_model(folder):
         part, height = of_piece[s.home[rank]].tolist(), dict(zip(of_piece[s.home[critical]], points[critical, 2]))
         edges = prune(edges, set(part), height, noise if exact else -1)
         sizes.append(check_graph(folder / f"{name}.graphml", handles, part, edges, exact))
+    need([certificate[f"loops_{k}"] for k in ("surface", "solid")] == [size[2] for size in sizes], "loops differ")
     return f"yes  {certificate['verdict']}; nodes, edges, loops of the surface {sizes[0]}, of the solid {sizes[1]}"
 
 
