@@ -1,5 +1,6 @@
 # make run     the workflow on data/meshes, which is filled with examples if it is empty
 # make test    the tests
+# make check   the graphs in results/, held against their meshes by check.py (docs/theorem.md)
 # make lint    what holds of the text of the code: format, rules, types, imports between rooms
 # make tables  docs/tables.md, after a change of the schemas
 # make lock    pin what is installed in .venv, after a change of pyproject.toml
@@ -13,7 +14,7 @@ VENV := .venv
 BIN := $(VENV)/bin
 READY := $(VENV)/.ready
 
-.PHONY: run test lint tables lock clean
+.PHONY: run test check lint tables lock clean
 
 run: $(READY) data/meshes
 	$(BIN)/snakemake --cores $(CORES)
@@ -22,6 +23,9 @@ run: $(READY) data/meshes
 
 test: $(READY)
 	$(BIN)/python -m pytest -n $(CORES) --dist loadfile
+
+check: $(READY)
+	$(BIN)/python check.py results
 
 # The lint of Snakemake parses the workflow, which wants a folder with a mesh.
 lint: $(READY) data/meshes

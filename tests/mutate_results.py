@@ -41,7 +41,7 @@ WORDS = {
 READ = tuple(check.COLUMNS)
 FILES = {*(f"{name}.parquet" for name in READ), *GRAPHS, "tilt.json", "certificate.json"}
 LABELS = (*check.NODE, "n_handles")
-FIGURES = ("verdict", "loops_surface", "loops_solid")
+FIGURES = ("verdict",)
 
 
 def read_model(folder):
