@@ -1,6 +1,7 @@
 # make run     the workflow on data/meshes, which is filled with examples if it is empty
 # make test    the tests
 # make test-faults ROUNDS=300    runs that are killed, starved and meddled with, held against undisturbed ones
+# make check   the graphs in results/, held against their meshes by check.py (docs/theorem.md)
 # make lint    what holds of the text of the code: format, rules, types, imports between rooms
 # make tables  docs/tables.md, after a change of the schemas
 # make lock    pin what is installed in .venv, after a change of pyproject.toml
@@ -15,7 +16,7 @@ VENV := .venv
 BIN := $(VENV)/bin
 READY := $(VENV)/.ready
 
-.PHONY: run test test-faults lint tables lock clean
+.PHONY: run test test-faults lint tables lock clean check
 
 run: $(READY) data/meshes
 	$(BIN)/snakemake --cores $(CORES)
@@ -27,6 +28,9 @@ test: $(READY)
 
 test-faults: $(READY)
 	$(BIN)/python tests/faults.py $(ROUNDS)
+
+check: $(READY)
+	$(BIN)/python check.py results
 
 # The lint of Snakemake parses the workflow, which wants a folder with a mesh.
 lint: $(READY) data/meshes
