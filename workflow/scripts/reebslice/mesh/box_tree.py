@@ -12,6 +12,9 @@ from ..kernels import njit
 
 LEAF = 2  # triangles; faster than 1, 4 and 8
 BITS = 16  # of each coordinate, in Morton codes
+# From coordinates to single precision: what brings them below its largest number, twice what
+# rounding takes off at most, and more than that is where numbers are subnormal.
+TO_SINGLE, ROUNDING, LEAST = 2.0**-200, 2.0**-23, 1e-37
 
 
 def order_along_curve(points, faces):
@@ -62,34 +65,44 @@ def _spread(x):
 
 
 @njit
-def build_tree(corners):
+def build_tree(points, faces, order, low):
     """Build the tree of boxes over triangles.
+
+    Boxes are in single precision, rounded outward and measured from `low`, so
+    that far from the origin they are no larger than near it.
 
     Parameters
     ----------
-    corners : (m, 9) float64
-        The coordinates of the corners of each triangle, in an order of `order_along_curve`.
+    points, faces : (n, 3) float64 and (m, 3) int32
+        Coordinates below 2^300, as those of `exact_signs.scale_points` are.
+    order : (m,) int32
+        Of `order_along_curve`.
+    low : (3,) float64
+        The lowest coordinates.
 
     Returns
     -------
-    spans : (m, 6) float64
-        Lower and upper ends of the box of each triangle.
-    boxes : (2 p, 6) float64
+    spans : (m, 6) float32
+        Lower and upper ends of the box of each triangle, in that order.
+    boxes : (2 p, 6) float32
         The same of the boxes of all nodes; p, a power of two, is the first leaf.
         Empty leaves have boxes that meet none.
     """
-    first, m = 1, len(corners)
+    first, m = 1, len(faces)
     while first * LEAF < m:
         first *= 2
-    spans, boxes = np.empty((m, 6)), np.empty((2 * first, 6))
+    spans, boxes = np.empty((m, 6), np.float32), np.empty((2 * first, 6), np.float32)
     boxes[:, :3], boxes[:, 3:] = np.inf, -np.inf
-    for f in range(m):
-        leaf = first + f // LEAF
+    for place in range(m):
+        i, j, k = faces[order[place]]
+        leaf = first + place // LEAF
         for axis in range(3):
-            x, y, z = corners[f, axis], corners[f, 3 + axis], corners[f, 6 + axis]
-            spans[f, axis], spans[f, 3 + axis] = min(x, min(y, z)), max(x, max(y, z))
-            boxes[leaf, axis] = min(boxes[leaf, axis], spans[f, axis])
-            boxes[leaf, 3 + axis] = max(boxes[leaf, 3 + axis], spans[f, 3 + axis])
+            x, y, z = points[i, axis], points[j, axis], points[k, axis]
+            one, other = (min(x, min(y, z)) - low[axis]) * TO_SINGLE, (max(x, max(y, z)) - low[axis]) * TO_SINGLE
+            spans[place, axis] = one - ROUNDING * one - LEAST
+            spans[place, 3 + axis] = other + ROUNDING * other + LEAST
+            boxes[leaf, axis] = min(boxes[leaf, axis], spans[place, axis])
+            boxes[leaf, 3 + axis] = max(boxes[leaf, 3 + axis], spans[place, 3 + axis])
     for node in range(first - 1, 0, -1):
         for axis in range(3):
             boxes[node, axis] = min(boxes[2 * node, axis], boxes[2 * node + 1, axis])
@@ -99,7 +112,7 @@ def build_tree(corners):
 
 @njit(inline="always")
 def boxes_meet(one, i, other, j):
-    """Whether two closed boxes meet: row i of `one` and row j of `other`, (.., 6) float64."""
+    """Whether two closed boxes meet: row i of `one` and row j of `other`."""
     return (  # all six at once: the processor would mispredict most branches
         (one[i, 0] <= other[j, 3])
         & (other[j, 0] <= one[i, 3])

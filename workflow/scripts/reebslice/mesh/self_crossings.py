@@ -12,10 +12,10 @@ from ..kernels import njit
 from . import face_pairs
 from .exact_signs import ROOM, scale_points
 from .half_edges import find_twins
-from .meeting_faces import plant_tree, walk_on
+from .meeting_faces import plant_tree, thin_out, walk_on
 
 MOST = 1_000_000  # pairs of faces that are counted
-AT_ONCE = 1_000_000  # pairs of faces that are judged at once
+AT_ONCE = 1 << 16  # pairs of faces that are looked at together: as many as stay in the processor's cache
 
 
 class Crossings(NamedTuple):
@@ -62,16 +62,17 @@ def find_crossings(points, faces, most=MOST):
     if not len(faces):
         return Crossings(np.empty((0, 2), np.int32), True)
     tree = plant_tree(points, faces)
-    stack, height = np.ones((4 * len(tree.boxes).bit_length(), 2), np.int64), 1
-    pairs, twins, found, total = np.empty((AT_ONCE, 2), np.int32), None, [], 0
+    stack, height = np.ones((4 * len(tree.boxes).bit_length(), 2), np.int32), 1
+    room, twins, found, total = np.empty((AT_ONCE, 2), np.int32), None, [], 0
     while height and total < most:
-        height, count = walk_on(tree, stack, height, pairs)
-        verdicts = _judge(points, faces, pairs[:count])
+        height, count = walk_on(tree, stack, height, room)
+        pairs = thin_out(tree, room[:count])
+        verdicts = _judge(points, faces, pairs)
         along = np.flatnonzero(verdicts == face_pairs.ALONG_SIDE)
         if len(along):
             twins = find_twins(faces, len(points)) if twins is None else twins
             verdicts[along] = _judge_along(points, faces, twins, pairs[along])
-        found.append(pairs[:count][verdicts > 0])
+        found.append(pairs[verdicts > 0])
         total += len(found[-1])
     pairs = np.concatenate(found)
     return Crossings(pairs[np.lexsort(pairs.T[::-1])], not height)
