@@ -6,10 +6,11 @@ they could be drawn apart by next to nothing. Two faces cross
 - if they lie in different planes and share a stretch of the line in which
   these meet, where the sheets run through one another: inside both faces, or
   along a side of one of them with its neighbour there beyond the other sheet;
-- if they overlap in one plane and are neighbours across a mesh edge, so that
-  the surface is folded there, or face the same way, so that the material under
-  both counts twice. Faces that overlap and face opposite ways are walls that
-  touch.
+- if they overlap in one plane and face the same way, so that the material under
+  both counts twice, or are neighbours across a mesh edge, so that the surface
+  is folded there. Others that overlap and face opposite ways are walls that
+  touch, and so are the sides of a slot of no width, folded at its bottom, which
+  `crossing_places` tells from other folds by the material around.
 
 Where surfaces cross, some pair of faces does so along a stretch or over an
 area; what meets in a point alone needs no look. A face without area lies in
@@ -19,7 +20,7 @@ the sides of its neighbours, and is passed over.
 from ..kernels import njit
 from .exact_signs import side_sign, turn_sign
 
-APART, ALONG_SIDE, THROUGH, OVERLAP = range(4)
+APART, ALONG_SIDE, THROUGH, OVERLAP, FOLD = range(5)
 
 
 @njit
@@ -38,7 +39,7 @@ def judge_pair(points, f, g, work):
     Returns
     -------
     int
-        `THROUGH` or `OVERLAP` if they cross, `APART` if not; `ALONG_SIDE` if they share a stretch along
+        `THROUGH`, `OVERLAP` or `FOLD` if they cross, `APART` if not; `ALONG_SIDE` if they share a stretch along
         a side of one, so that its neighbour there decides.
     """
     n_shared = _count_shared(f, g)
@@ -126,7 +127,9 @@ def _judge_in_plane(points, f, g, n_shared, work):
     )
     if way_g == 0 or _is_cut_off(points, f, g, (axis, way_f), work) or _is_cut_off(points, g, f, (axis, way_g), work):
         return APART
-    return OVERLAP if n_shared > 1 or way_f == way_g else APART
+    if n_shared > 1:
+        return FOLD
+    return OVERLAP if way_f == way_g else APART
 
 
 @njit

@@ -25,11 +25,14 @@ class Crossings(NamedTuple):
     ----------
     pairs : (c, 2) int32
         Faces, the lower number first; in lexicographic order.
+    folded : (c,) bool
+        Whether they are neighbours that lie on one another, in one plane.
     complete : bool
         Whether they are all; if not, at least `most` were found.
     """
 
     pairs: np.ndarray
+    folded: np.ndarray
     complete: bool
 
 
@@ -60,10 +63,10 @@ def find_crossings(points, faces, most=MOST):
     """
     points, faces = scale_points(np.asarray(points, np.float64)), np.ascontiguousarray(faces, np.int32)
     if not len(faces):
-        return Crossings(np.empty((0, 2), np.int32), True)
+        return Crossings(np.empty((0, 2), np.int32), np.empty(0, bool), True)
     tree = plant_tree(points, faces)
     stack, height = np.ones((4 * len(tree.boxes).bit_length(), 2), np.int32), 1
-    room, twins, found, total = np.empty((AT_ONCE, 2), np.int32), None, [], 0
+    room, twins, found, kinds, total = np.empty((AT_ONCE, 2), np.int32), None, [], [], 0
     while height and total < most:
         height, count = walk_on(tree, stack, height, room)
         pairs = thin_out(tree, room[:count])
@@ -73,9 +76,11 @@ def find_crossings(points, faces, most=MOST):
             twins = find_twins(faces, len(points)) if twins is None else twins
             verdicts[along] = _judge_along(points, faces, twins, pairs[along])
         found.append(pairs[verdicts > 0])
+        kinds.append(verdicts[verdicts > 0])
         total += len(found[-1])
-    pairs = np.concatenate(found)
-    return Crossings(pairs[np.lexsort(pairs.T[::-1])], not height)
+    pairs, folded = np.concatenate(found), np.concatenate(kinds) == face_pairs.FOLD
+    order = np.lexsort(pairs.T[::-1])
+    return Crossings(pairs[order], folded[order], not height)
 
 
 @njit
