@@ -52,6 +52,8 @@ CROSSING = (
     "hole by the sign of its whole area, and material where sheets overlap counts as often as they do."
 )
 
+TOLD = "So inspection.json states, which counts {} pairs of faces and tells where the first of them meet."
+
 CROSSES = (
     "The surface crosses itself; take the parts that cross apart, or unite them, in the program that made the mesh."
 )
@@ -76,6 +78,7 @@ def certify(
     feature_size: float,
     distance: float | None = None,
     curves: tuple | None = None,
+    inspection: dict | None = None,
 ) -> dict:
     """Make the certificate of one model.
 
@@ -93,6 +96,9 @@ def certify(
         In mesh units; the largest spacing of uniform levels.
     curves : tuple, optional
         What :func:`recount.curves.read_curves` tells of the contours; then their table is without `geometry`.
+    inspection : dict, optional
+        The content of inspection.json. Of it are taken, as stated, the numbers of pairs of faces that cross:
+        `self_crossings`, of one body, and `body_crossings`, of two.
 
     Returns
     -------
@@ -117,7 +123,7 @@ def certify(
     >>> [name for name, check in certificate["checks"].items() if not check["holds"]][0]
     'tables_in_form'
     """
-    facts = Facts(tables, tilt, graphs, feature_size, distance, curves)
+    facts = Facts(tables, tilt, graphs, feature_size, distance, curves, inspection or {})
     ledger = Ledger()
     stopped = ""
     for step in STEPS:
@@ -136,6 +142,7 @@ def certify(
             )
             ledger.enter(f"{name}: made", False, True, says=says)
             stopped = f"the step {name!r}"
+    facts.crossing = bool(facts.crossing or facts.inspection.get("self_crossings"))
     verdict = _verdict(facts, ledger)
     reason = _reason(facts, ledger) if verdict == "uncertified" else ""
     return {"verdict": verdict, "reason": reason} | _figures(facts) | {"checks": ledger.checks}
@@ -233,12 +240,18 @@ def _figures(facts):
         "feature_size": float(facts.size),
         "similarity": _similarity_figures(facts.similarity),
         "open_questions": {name: int(value) for name, value in facts.open.items()},
-        "solid_interpretation": " ".join(
-            text for text, holds in ((APART, facts.entangled), (CROSSING, facts.crossing)) if holds
-        ),
+        "solid_interpretation": " ".join(_interpretations(facts)),
         "volume": facts.volume,
         "area": facts.area,
     }
+
+
+def _interpretations(facts):
+    """What the solid is where bodies share material or a surface crosses itself, and who says that they do."""
+    for text, holds, count in ((APART, facts.entangled, "body"), (CROSSING, facts.crossing, "self")):
+        if holds:
+            stated = facts.inspection.get(f"{count}_crossings")
+            yield f"{text} {TOLD.format(stated)}" if stated else text
 
 
 def _similarity_figures(values):

@@ -16,6 +16,7 @@ from ..kernels import njit
 from ..table_checks import build_table
 from . import unions
 from .arguments import take_arrays
+from .crossing_places import describe_crossings
 from .orders import sort_faces
 from .record import REPAIRS, Inspection
 from .repairs import clean_surface
@@ -54,8 +55,8 @@ def inspect_surface(
         `vertices`, `faces` and `shells`, see `schemas`; None if the mesh is
         rejected. The surface is closed, manifold at mesh edges and vertices,
         and oriented, and does not depend on the order of points, faces or
-        corners in the input. Sheets that touch have vertices of their own;
-        whether sheets cross is not looked at.
+        corners in the input. Sheets that touch have vertices of their own; sheets that
+        cross stay as they are, and the inspection tells where they do.
     inspection : dict
         Fit for JSON, the fields of `record.Inspection`. `status` is "accepted"
         (as it stands), "repaired" (`repairs` says how) or "rejected" (`reason`
@@ -88,6 +89,7 @@ def inspect_surface(
         tables, inspection = _unite(tables, options, inspection)
     if tables is not None:
         inspection.status = "repaired" if inspection.repairs else "accepted"
+        _note_crossings(tables, inspection)
     return tables, asdict(inspection)
 
 
@@ -141,11 +143,9 @@ def blank_record(reason):
 
 def _unite(tables, options, inspection):
     """Unite the bodies that overlap, and inspect the result as if it came from a file; returns tables and record."""
-    points = np.column_stack([tables["vertices"][axis] for axis in "xyz"])
-    faces = np.column_stack([tables["faces"][corner] for corner in "abc"]).astype(np.int64)
-    body = tables["shells"]["body"].to_numpy()[tables["faces"]["shell"].to_numpy()]
+    points, faces, body = _surface_of(tables)
     try:
-        united = unions.unite_bodies(points, faces, body)
+        united = unions.unite_bodies(points, faces.astype(np.int64), body)
     except UnionError as refusal:
         inspection.reject(
             f"The bodies cannot be united: {refusal}; mend the mesh in an editor, or set inspect.overlaps to keep,"
@@ -169,6 +169,19 @@ def _unite(tables, options, inspection):
         setattr(after, name, getattr(inspection, name))
     after.repairs = [*inspection.repairs, told, *after.repairs]
     return tables, after
+
+
+def _note_crossings(tables, inspection):
+    """Note which faces of the surface cross."""
+    for name, figure in describe_crossings(*_surface_of(tables)).items():
+        setattr(inspection, name, figure)
+
+
+def _surface_of(tables):
+    """Points, faces and the body of each face, from the tables."""
+    points = np.column_stack([tables["vertices"][axis] for axis in "xyz"])
+    faces = np.column_stack([tables["faces"][corner] for corner in "abc"])
+    return points, faces, tables["shells"]["body"].to_numpy()[tables["faces"]["shell"].to_numpy()]
 
 
 def _count_bodies(inspection):

@@ -33,6 +33,12 @@ class Inspection:
     collinear_faces : int
         Faces whose three corners are in line; they stay.
     degenerate_faces_removed, duplicate_faces_removed, pinch_vertices_split : int
+    self_crossings, body_crossings : int
+        Pairs of faces that cross, see `face_pairs`: of one body, and of two.
+    crossing_places : list of dict
+        Of the first pairs of either kind the `faces` (rows of the table), their `bodies` and a `point` where they meet.
+    crossings : str
+        A sentence on these, empty where there are none.
     """
 
     status: str | None = None
@@ -55,6 +61,10 @@ class Inspection:
     degenerate_faces_removed: int | None = None
     duplicate_faces_removed: int | None = None
     pinch_vertices_split: int | None = None
+    self_crossings: int | None = None
+    body_crossings: int | None = None
+    crossing_places: list[dict] = field(default_factory=list)
+    crossings: str = ""
 
     def reject(self, reason):
         """Note that the mesh is rejected, and why."""

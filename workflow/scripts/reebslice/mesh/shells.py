@@ -23,6 +23,8 @@ def find_enclosing(points, faces, shell, n_shells):
     centre on both of its sides, each by the parity of an upward ray, and only
     if they agree: where walls touch they do not, so that of two coinciding
     shells none encloses the other, and a plate is not around the pin in its bore.
+    Where no face votes so, the centres themselves do, and all must be inside:
+    walls that coincide within rounding may run through one another.
 
     Parameters
     ----------
@@ -47,10 +49,11 @@ def find_enclosing(points, faces, shell, n_shells):
         boxed[outer] = False
         inner = np.flatnonzero(boxed)
         if len(inner):
-            votes = _count_votes(points, faces[members[outer]], [centres[s][:, :2] for s in inner])
+            votes = np.subtract(*_count_votes(points, faces[members[outer]], [centres[s][:, :2] for s in inner]))
             left = np.flatnonzero(votes == 0)
             if len(left):
-                votes[left] = _count_votes(points, faces[members[outer]], [centres[s][:, 2:] for s in inner[left]])
+                within, out = _count_votes(points, faces[members[outer]], [centres[s][:, 2:] for s in inner[left]])
+                votes[left] = np.where(out == 0, within, 0)
             for one in inner[votes > 0]:
                 enclosing[one].append(outer)
     return enclosing
@@ -83,7 +86,7 @@ def _sample_centres(points, faces, member):
 
 
 def _count_votes(points, faces, groups):
-    """Return, for each group of points (k, w, 3), the rows of w that are all inside minus those all outside."""
+    """Return, for each group of points (k, w, 3), how many rows of w are all inside, and how many all outside."""
     queries = np.concatenate(groups)
     group = np.repeat(np.arange(len(groups)), [len(one) for one in groups])
     rows, queries = queries.shape[:2], queries.reshape(-1, 3)
@@ -93,9 +96,7 @@ def _count_votes(points, faces, groups):
     vote = np.empty(len(order), np.int64)
     vote[order] = np.where(on, 0, np.where(inside, 1, -1))
     vote = vote.reshape(rows)
-    return np.bincount(group, (vote > 0).all(axis=1), len(groups)) - np.bincount(
-        group, (vote < 0).all(axis=1), len(groups)
-    )
+    return tuple(np.bincount(group, (sign * vote > 0).all(axis=1), len(groups)).astype(np.int64) for sign in (1, -1))
 
 
 @njit

@@ -40,7 +40,10 @@ def check_holes(facts, ledger):
     lonely = inner & (parent < 0) & ~unsure
     around = np.where(stated >= 0, stated, np.arange(len(stated)))
     nested = ~inner & ~inner[around] & (around != np.arange(len(stated))) & (body == body[around])
-    facts.crossing |= bool((nested | lonely | is_open).any()) or nest.crosses_itself(body)
+    seen = facts.crossing or nest.crosses_itself(body)
+    facts.crossing = seen or bool((nested | lonely | is_open).any())
+    told = facts.inspection.get("self_crossings")
+    ledger.enter("crossings_of_a_body_are_told", told, "more than 0" if seen else told, told != 0 or not seen)
 
 
 def _check_chains(facts, ledger, inner, certain):

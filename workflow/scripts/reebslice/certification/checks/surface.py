@@ -84,7 +84,8 @@ def _check_shell_measures(facts, ledger, shell, count):
 def _check_nesting(facts, ledger, shell, size):
     """Bodies and parents of the shells, by which shells are around each; size : absolute volumes."""
     t = facts.columns.shells
-    around, unsure = find_around(facts.points, facts.faces, shell, facts.n_shells)
+    crossing = bool(facts.inspection.get("body_crossings"))
+    around, unsure = find_around(facts.points, facts.faces, shell, facts.n_shells, crossing)
     parent, is_open = find_parent(around, unsure, size)
     stated = np.array([-1 if p is None else p for p in t["parent"]], np.int64)
     ledger.rows("shells.parent", is_open | (stated == parent), "the smallest shell around it")

@@ -13,7 +13,7 @@ NEAR = 1e-5  # of the shell's extent, how near to a surface counts as on it
 OFF = np.array([0.0, 6.18e-3, -4.14e-3])  # of that, how far beside a start its rays run
 
 
-def find_around(points, faces, shell, n_shells):
+def find_around(points, faces, shell, n_shells, crossing=False):
     """Find for each shell the shells around it and those that may be.
 
     From each start go two rays, to either side of it. It says something of a
@@ -28,6 +28,8 @@ def find_around(points, faces, shell, n_shells):
     shell : (m,) int
         The shell of each face.
     n_shells : int
+    crossing : bool, optional
+        Whether bodies are known to cross: then a shell that touches another may have it around it.
 
     Returns
     -------
@@ -62,9 +64,9 @@ def find_around(points, faces, shell, n_shells):
     votes, middles = (np.bincount(source, says, n_shells).astype(int) for says in (np.ones(len(source)), middle))
     for key, *told in zip(pair[boxed].tolist(), yes.tolist(), mute.tolist(), mute_middles.tolist()):
         outside, one = divmod(key, n_shells)
-        if told[0] and told[0] == votes[one] - told[1]:
+        if told[0] and told[0] == votes[one] - told[1] and not (crossing and told[1]):
             around[one].add(outside)
-        elif told[0] or middles[one] == told[2]:
+        elif told[0] or middles[one] == told[2] or (crossing and told[1]):
             unsure[one].add(outside)
     return around, unsure
 
