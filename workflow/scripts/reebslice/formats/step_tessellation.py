@@ -14,6 +14,7 @@ import numpy as np
 from ..errors import MeshFormatError
 
 TOLERANCES = {"tol_linear": 0.001, "tol_angular": 0.25, "tol_relative": True}
+MOST_TRIANGLES = 1 << 25  # what is placed many times; what is there once may always be read
 METRE = 1000.0  # millimetres in the unit of glTF
 # cascadio imports trimesh if it is there, to extend it, which takes longer than most files and is of no use here.
 _PROGRAM = """import sys
@@ -95,17 +96,25 @@ def parse_glb(data):
     Raises
     ------
     MeshFormatError
-        There are no faces.
+        There are no faces, or more than `MOST_TRIANGLES` and than `data` has
+        bytes, as copies of few.
     """
     length = int.from_bytes(data[12:16], "little")
     scene, buffer = json.loads(data[20 : 20 + length]), data[28 + length :]
-    parts, count = [], 0
+    parts, count, triangles = [], 0, 0
     for mesh, matrix in _walk(scene):
         for primitive in scene["meshes"][mesh]["primitives"]:
             if primitive.get("mode", 4) == 4:
                 position = scene["accessors"][primitive["attributes"]["POSITION"]]
                 points = METRE * _read_accessor(scene, buffer, position).reshape(-1, 3)
-                faces = _read_accessor(scene, buffer, scene["accessors"][primitive["indices"]]).reshape(-1, 3) + count
+                indices = scene["accessors"][primitive["indices"]]
+                triangles += indices["count"] // 3
+                if triangles > max(MOST_TRIANGLES, len(data)):
+                    raise MeshFormatError(
+                        f"The assembly of the STEP file places more than {max(MOST_TRIANGLES, len(data))} triangles, copies"
+                        " included, which are not read; export fewer copies."
+                    )
+                faces = _read_accessor(scene, buffer, indices).reshape(-1, 3) + count
                 box = METRE * np.array([position["min"], position["max"]])
                 parts.append(
                     (points, faces.astype(np.int64), np.full(len(points), len(parts)), matrix[None], box[None])
