@@ -18,10 +18,12 @@ WORDS = (
     b" 9223372036854775808 18446744073709551616 -0 0.5 2.5 -1.5 1e3 1e18 1e19 1e75 1e76 1e-75 1e-320 1e308 1e309 nan"
     b" -nan inf -inf NaN(1) 0x10 1_0 1,5 +1 ++1 - . e 1e 1.#IND 3/ 3/x // \\ # ; \xb2 \xff\xfe \x00 \xef\xbb\xbf"
 ).split() + [b"", b" ", b"\n", b"\r", b"\t", b"\x0b", b"\x85", b"9" * 400, b"1" + b"0" * 5000]
+OTHER_TYPES = {pa.int64(): 1, pa.string(): "1", pa.float32(): 1, pa.list_(pa.int64()): [1], pa.binary(): b"\xff"}
+TABLES = (*SCHEMAS, "status")
 WHOLES = [0, 1, 2, 3, 127, 128, 255, 256, 32767, 65535, 2**31 - 1, 2**31, 2**32 - 1, 2**63 - 1, 2**64 - 1]
 JUNK = [None, True, -1, 0, 1, 2, 3, 5, 7, 255, 1.5, 2**31, 2**32, 2**53, 2**70, 1e308, float("nan"), float("inf")]
-JUNK += ["", "x", "MAT4", "SCALAR", "VEC3", "VEC4", "data:,", "data:;base64,AAAA", "a.bin", "../a", [], [0], [[]], [0] * 20]
-JUNK += [{}, {"x": 1}, 5120, 5121, 5123, 5125, 5126, 16777216, 16777217]
+JUNK += ["", "x", "MAT4", "SCALAR", "VEC3", "VEC4", "data:,", "data:;base64,AAAA", "a.bin", "../a", [], [0], [[]]]
+JUNK += [[0] * 20, {}, {"x": 1}, 5120, 5121, 5123, 5125, 5126, 16777216, 16777217]
 
 
 def mutate_bytes(data, random, seeds):
@@ -158,8 +160,8 @@ def mutate_3mf(data, random, _):
             place = random.choice(at) + random.randrange(4, 46)
             return data[:place] + random.randbytes(random.choice((1, 2, 4))) + data[place + 1 :]
         case 2:
-            text = parts.pop(name)
-            parts[random.choice((name.upper(), name + "/", "/" + name, "3D\\x.model", "%00", "..", "3D/3dmodel.model"))] = text
+            others = name.upper(), name + "/", "/" + name, "3D\\x.model", "%00", "..", "3D/3dmodel.model"
+            parts[random.choice(others)] = parts.pop(name)
         case _:
             parts[name] = mutate_xml(parts[name], random, [*parts.values()])
     return pack(parts, random.choices((zipfile.ZIP_DEFLATED, zipfile.ZIP_STORED, zipfile.ZIP_BZIP2), (8, 2, 1), k=3))
@@ -199,25 +201,15 @@ def _change_table(values, random):
         case 1 if values.num_columns:
             return values.append_column(values.field(k), values.column(k))
         case 2:
-            junk = {b"reebslice:table": random.randbytes(4), b"reebslice:format_version": b"\xff", b"geo": b"{"}
-            return values.replace_schema_metadata((values.schema.metadata or {}) | dict([random.choice([*junk.items()])]))
+            key = random.choice((b"reebslice:table", b"reebslice:format_version", b"reebslice:content_key", b"geo"))
+            return values.replace_schema_metadata((values.schema.metadata or {}) | {key: random.randbytes(4)})
         case 3 if values.num_columns:
             nulls = pa.nulls(len(values), values.field(k).type)
             return values.set_column(k, values.field(k).with_nullable(True), nulls)
         case 4 if values.num_columns:
-            kind = random.choice((pa.int64(), pa.string(), pa.float32(), pa.list_(pa.int64()), pa.binary()))
-            return values.set_column(k, pa.field(values.field(k).name, kind), pa.nulls(len(values), kind).fill_null(_any(kind)))
+            kind, one = random.choice([*OTHER_TYPES.items()])
+            return values.set_column(k, pa.field(values.field(k).name, kind), pa.array([one] * len(values), kind))
         case 5 if values.num_columns and pa.types.is_binary(values.field(k).type) and len(values):
             blobs = [mutate_bytes(LOOP, random, [LOOP]) for _ in range(len(values))]
             return values.set_column(k, values.field(k), pa.array(blobs, pa.binary()))
     return values
-
-
-def _any(kind):
-    """Some value of a type."""
-    return pa.scalar([1] if pa.types.is_list(kind) else b"\xff" if pa.types.is_binary(kind) else "1", kind) if not (
-        pa.types.is_integer(kind) or pa.types.is_floating(kind)
-    ) else pa.scalar(1, kind)
-
-
-TABLES = (*SCHEMAS, "status")

@@ -18,6 +18,7 @@ import tempfile
 import time
 import traceback
 from collections import Counter
+from contextlib import suppress
 from importlib.util import find_spec
 from pathlib import Path
 
@@ -30,6 +31,7 @@ ROOM = 6 << 30  # bytes of address space beyond which a process gets no memory
 MESHES = (".stl", ".obj", ".ply", ".off", ".gltf", ".glb", ".3mf")
 OTHERS = ("graphml", "json", "curves", "tables")
 CRASHED = "the process ended"
+SERVER = [__file__, "--serve"]
 
 
 # --------------------------------------------------------------------------
@@ -93,7 +95,7 @@ def _read_mesh(path):
         assert told and told.isprintable() and len(told) < 3000, f"a refusal of {len(told)} letters: {told[:80]!r}"
         raise
     assert points.dtype == np.float64 and faces.dtype == np.int32 and faces.shape[1:] == (3,) and len(faces)
-    assert 0 <= faces.min() and faces.max() < len(points) and np.isfinite(points[faces]).all()
+    assert faces.min() >= 0 and faces.max() < len(points) and np.isfinite(points[faces]).all()
     assert all(note and note.isprintable() for note in notes), notes
 
 
@@ -120,7 +122,8 @@ def _read_curves(path):
         assert drawn[k] == closed, (k, blob.hex())
         if closed and np.abs(points).max() < 1e9:
             x, y = points.T
-            assert np.isclose(area[k], 0.5 * (x[:-1] * y[1:] - x[1:] * y[:-1]).sum(), atol=1e-6 * np.abs(points).max() ** 2)
+            want = 0.5 * (x[:-1] * y[1:] - x[1:] * y[:-1]).sum()
+            assert np.isclose(area[k], want, atol=1e-6 * np.abs(points).max() ** 2)
 
 
 def _read_tables(path):
@@ -143,9 +146,10 @@ def _read_tables(path):
     return table
 
 
-def serve():
+def serve(warm=True):
     """Read the files that standard input names, and tell of each how that ended."""
-    _warm_up()
+    if warm:
+        _warm_up()
     _bound_memory()
     print("ready", flush=True)
     for line in sys.stdin:
@@ -175,20 +179,16 @@ def _warm_up():
 
 
 def _bound_memory():
-    try:
+    with suppress(ImportError, ValueError, OSError):  # not on this system: the peak is measured all the same
         import resource
 
         resource.setrlimit(resource.RLIMIT_AS, (ROOM, ROOM))
-    except (ImportError, ValueError, OSError):
-        pass  # not on this system: the peak is measured all the same
 
 
 def _reset_peak():
     """Forget the peak of memory, where the system can; return what is taken now."""
-    try:
+    with suppress(OSError):
         Path("/proc/self/clear_refs").write_text("5")
-    except OSError:
-        pass
     return _peak()
 
 
@@ -232,10 +232,11 @@ class Reader:
         return told
 
     def _begin(self):
-        self.log = tempfile.TemporaryFile("w+")
-        command = [sys.executable, "-X", "faulthandler", __file__, "--serve"]
+        self.log = tempfile.TemporaryFile("w+")  # noqa: SIM115, closed with the process
+        command = [sys.executable, "-X", "faulthandler", *SERVER]
+        alone = os.environ | {"PYTHONPATH": os.pathsep.join(filter(None, sys.path))}
         pipes = {"stdin": subprocess.PIPE, "stdout": subprocess.PIPE, "stderr": self.log, "text": True, "bufsize": 1}
-        self.process = subprocess.Popen(command, **pipes)
+        self.process = subprocess.Popen(command, env=alone, **pipes)
         if self.process.stdout.readline() != "ready\n":
             self.log.seek(0)
             raise RuntimeError(f"Sound files are not read:\n{self.log.read()}")

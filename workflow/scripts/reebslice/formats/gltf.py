@@ -176,7 +176,8 @@ def _read_runs(asset, primitive, where, count, mode):
     top, runs = np.iinfo(accessor.dtype).max, [ids]
     if mode != TRIANGLES and "KHR_mesh_primitive_restart" in take_kind(asset.document, "extensionsUsed", list, where):
         ends = np.concatenate([[-1], np.flatnonzero(ids == top), [len(ids)]])
-        runs = [ids[ends[k] + 1 : ends[k + 1]] for k in np.flatnonzero(np.diff(ends) > 3)] or [ids[:0]]  # shorter: nothing
+        drawn = np.flatnonzero(np.diff(ends) > 3)  # shorter ones draw nothing
+        runs = [ids[ends[k] + 1 : ends[k + 1]] for k in drawn] or [ids[:0]]
         ids = np.where(ids == top, 0, ids)
     at = int(ids.argmax()) if len(ids) else 0
     if len(ids) and ids[at] == top:

@@ -2,8 +2,8 @@
 
 from ..errors import MeshFormatError
 
-# A few bytes can place a mesh, or name the elements of a buffer, any number of times. How many are read of what: so many
-# of any file, and so many for each byte of a larger one. What a file holds once is always fewer.
+# A few bytes can place a mesh, or name the elements of a buffer, any number of times. How many are read of what: so
+# many of any file, and so many for each byte of a larger one. What a file holds once is always fewer.
 MOST = {"elements": (2**26, 256), "vertices": (2**25, 1), "faces": (2**25, 1), "places": (2**20, 1 / 2)}
 
 

@@ -74,7 +74,8 @@ def tessellate(data):
         source, target = Path(folder, "model.step"), Path(folder, "model.glb")
         source.write_bytes(data)
         program = [sys.executable, "-c", _PROGRAM.format(TOLERANCES), str(source), str(target)]
-        run = subprocess.run(program, capture_output=True, text=True, errors="replace", check=False)
+        options = {"capture_output": True, "text": True, "errors": "replace"}
+        run = subprocess.run(program, check=False, **options)  # noqa: S603, words that stand here, names made here
         if run.returncode == -9:
             raise MemoryError("the process that reads the STEP file was killed, most likely for want of memory")
         if run.returncode or not target.exists():
@@ -109,10 +110,10 @@ def parse_glb(data):
                 points = METRE * _read_accessor(scene, buffer, position).reshape(-1, 3)
                 indices = scene["accessors"][primitive["indices"]]
                 triangles += indices["count"] // 3
-                if triangles > max(MOST_TRIANGLES, len(data)):
+                if triangles > (most := max(MOST_TRIANGLES, len(data))):
                     raise MeshFormatError(
-                        f"The assembly of the STEP file places more than {max(MOST_TRIANGLES, len(data))} triangles, copies"
-                        " included, which are not read; export fewer copies."
+                        f"The STEP file places more than {most} triangles, copies included, which is the most that is"
+                        " read; export fewer copies."
                     )
                 faces = _read_accessor(scene, buffer, indices).reshape(-1, 3) + count
                 box = METRE * np.array([position["min"], position["max"]])

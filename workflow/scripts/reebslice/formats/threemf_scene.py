@@ -67,10 +67,10 @@ class Scene:
         triangles, places = (sum(sizes) for sizes in zip((0, 0), *(self._measure(key) for key in found), strict=True))
         most = max(MOST_TRIANGLES, self.package.unpacked), max(MOST_PLACES, self.package.unpacked)
         if triangles > most[0] or places > most[1]:
+            more = " and more" * (max(triangles, places) >= UNCOUNTED)
             raise MeshFormatError(
-                f"The build of the 3MF file places {triangles} triangles (or vertices) in {places} objects, copies"
-                f" included{' and counting' * (UNCOUNTED in (triangles, places))}; at most {most[0]} and {most[1]} are read"
-                " from it. Export fewer copies."
+                f"The build of the 3MF file places {triangles} triangles (or vertices) in {places} objects{more},"
+                f" copies included; at most {most[0]} and {most[1]} are read from it. Export fewer copies."
             )
         matrices = [item.matrix for item in self.root.items]
         return [copy for key, matrix in zip(found, matrices, strict=True) for copy in self._place(key, matrix)]
