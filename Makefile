@@ -4,19 +4,20 @@
 # make check   the graphs in results/, held against their meshes by check.py (docs/theorem.md)
 # make lint    what holds of the text of the code: format, rules, types, imports between rooms
 # make tables  docs/tables.md, after a change of the schemas
-# make lock    pin what is installed in .venv, after a change of pyproject.toml
+# make audit   ask whether a locked package is known to be vulnerable; skipped where the service is not reached
+# make fuzz    read 20,000 damaged files (ROUNDS=...): only meshes, tables and sentences may come of them
+# make lock    pin all packages, with the hashes of their files, after a change of pyproject.toml (UPGRADE=1: anew)
 # make clean   remove the environment and what was compiled, never results
 #
 # Needs Python 3.11 or newer (PYTHON=...), make, and once a package index.
 
 PYTHON ?= python3
 CORES ?= 2
-ROUNDS ?= 300
 VENV := .venv
 BIN := $(VENV)/bin
 READY := $(VENV)/.ready
 
-.PHONY: run test test-faults lint tables lock clean check
+.PHONY: run test test-faults lint tables lock clean check audit fuzz
 
 run: $(READY) data/meshes
 	$(BIN)/snakemake --cores $(CORES)
@@ -27,7 +28,7 @@ test: $(READY)
 	$(BIN)/python -m pytest -n $(CORES) --dist loadfile
 
 test-faults: $(READY)
-	$(BIN)/python tests/faults.py $(ROUNDS)
+	$(BIN)/python tests/faults.py $(or $(ROUNDS),300)
 
 check: $(READY)
 	$(BIN)/python check.py results
@@ -46,7 +47,7 @@ $(READY): requirements.lock
 	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11))' \
 	  || { echo "$(PYTHON) is older than Python 3.11; name a newer one: make PYTHON=python3.11 ..."; exit 1; }
 	$(PYTHON) -m venv $(VENV)
-	$(BIN)/python -m pip install --quiet --disable-pip-version-check -r requirements.lock
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check --require-hashes -r requirements.lock
 	touch $(READY)
 
 # Written aside and renamed, so that a half-made set is never taken for whole.
@@ -58,11 +59,18 @@ data/meshes: | $(READY)
 tables: $(READY)
 	$(BIN)/python docs/make_tables.py
 
+audit: $(READY)
+	$(BIN)/python .ci/audit.py requirements.lock
+
+fuzz: $(READY)
+	$(BIN)/python tests/fuzz_readers.py --rounds $(or $(ROUNDS),20000)
+
+# For every system and Python that pyproject.toml allows; what is pinned stays, unless UPGRADE is set.
 lock: $(READY)
-	$(BIN)/python -m pip install --quiet --upgrade --upgrade-strategy only-if-needed -e .[formats,workflow,test]
-	$(BIN)/python .ci/lock.py > requirements.lock.part
+	cp requirements.lock requirements.lock.part
+	$(BIN)/uv pip compile pyproject.toml --all-extras --universal --python-version 3.11 --generate-hashes --no-annotate --quiet \
+	  --custom-compile-command "make lock" $(if $(UPGRADE),--upgrade) -o requirements.lock.part
 	mv requirements.lock.part requirements.lock
-	touch $(READY)
 
 clean:
 	rm -rf $(VENV) .pytest_cache .hypothesis

@@ -74,7 +74,7 @@ def run(meshes, results, cores, options=()):
     command += ["--directory", results, "--config", f"meshes={meshes}", *options]
     before, start, peak = os.times(), time.perf_counter(), 0.0
     with open(results / "run.log", "w") as log:
-        process = subprocess.Popen(command, stdout=log, stderr=subprocess.STDOUT)
+        process = subprocess.Popen(command, stdout=log, stderr=subprocess.STDOUT)  # noqa: S603, the project's own programs
         while process.poll() is None:
             peak = max(peak, peak_memory(process.pid))
             time.sleep(0.2)

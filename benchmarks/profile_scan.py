@@ -32,7 +32,7 @@ STAGES = tuple(stage_options())
 def main(faces="1000000", levels="1000", rounds="3"):
     with tempfile.TemporaryDirectory() as folder:
         # in a process of its own: one that is started by a large one counts that one's peak as its own
-        subprocess.run([sys.executable, __file__, "--meshes", folder, faces], check=True)
+        subprocess.run([sys.executable, __file__, "--meshes", folder, faces], check=True)  # noqa: S603, the project's own programs
         tasks = "read", "slice", *STAGES
         runs = [{task: run(task, folder, levels) for task in tasks} for _ in range(int(rounds))]
     seconds = {task: [one[task]["seconds"] for one in runs] for task in tasks}
@@ -62,7 +62,8 @@ def run(*arguments):
     """What a process of its own measures."""
     command = [sys.executable, __file__, "--task", *arguments]
     alone = os.environ | {"OPENBLAS_NUM_THREADS": "1"}  # as Snakemake has it for a job of one core
-    return json.loads(subprocess.run(command, check=True, env=alone, stdout=subprocess.PIPE).stdout.splitlines()[-1])
+    done = subprocess.run(command, check=True, env=alone, stdout=subprocess.PIPE)  # noqa: S603, the project's own programs
+    return json.loads(done.stdout.splitlines()[-1])
 
 
 def measure(task, folder, levels):

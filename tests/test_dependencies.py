@@ -1,12 +1,14 @@
 """pyproject.toml, environment.yml and requirements.lock state the same dependencies."""
 
 import ast
+import importlib.util
 import re
 import sys
 import tomllib
 from importlib import metadata
 from pathlib import Path
 
+import pytest
 import yaml
 from packaging.requirements import Requirement
 
@@ -31,9 +33,17 @@ def stated(lines):
     return {canonical(requirement.name): str(requirement.specifier) for requirement in requirements}
 
 
+def locked():
+    """Requirement lines of the lock, each with its hashes."""
+    text = (ROOT / "requirements.lock").read_text().replace("\\\n", " ")
+    lines = [line.split("--hash=") for line in text.splitlines() if line and not line.startswith("#")]
+    return {Requirement(first): [word.strip() for word in hashes] for first, *hashes in lines}
+
+
 def pins():
-    lines = (ROOT / "requirements.lock").read_text().splitlines()
-    return dict(line.split("==") for line in lines if line and not line.startswith("#"))
+    """{name: version} of what the lock has for this system."""
+    here = [one for one in locked() if one.marker is None or one.marker.evaluate()]
+    return {canonical(one.name): str(one.specifier).removeprefix("==") for one in here}
 
 
 def imported(folder):
@@ -61,6 +71,40 @@ def test_lock_pins_what_is_asked_for():
     for line in OF_RUNS + EXTRAS["test"]:
         requirement = Requirement(line)
         assert requirement.specifier.contains(pins()[canonical(requirement.name)]), line
+
+
+def test_every_locked_package_has_the_hashes_of_its_files_and_is_installed_by_them():
+    for one, hashes in locked().items():
+        assert str(one.specifier).startswith("==") and hashes, one
+        assert all(re.fullmatch(r"sha256:[0-9a-f]{64}", word) for word in hashes), one
+    assert "--require-hashes -r requirements.lock" in (ROOT / "Makefile").read_text()
+
+
+def test_lock_is_for_other_systems_too():
+    windows = {"sys_platform": "win32", "platform_system": "Windows", "os_name": "nt", "platform_machine": "AMD64"}
+    there = {canonical(one.name) for one in locked() if one.marker is None or one.marker.evaluate(windows)}
+    assert there > {"colorama", "numba", "snakemake"} and "colorama" not in pins()
+
+
+AUDITED = {"name": "a", "version": "1", "vulns": []}
+KNOWN = {"id": "X-1", "aliases": ["C-2"], "fix_versions": ["2"], "description": "reads too much"}
+
+
+@pytest.mark.parametrize(
+    "dependencies, code, told",
+    [
+        ([AUDITED], 0, "1 packages looked up, 0 of them vulnerable"),
+        ([AUDITED, AUDITED | {"vulns": [KNOWN]}], 1, "a 1: X-1 (C-2), mended in 2: reads too much"),
+        ([AUDITED, {"name": "b", "skip_reason": "not found"}], 0, "not known to the service: b"),
+        ([{"name": "b", "skip_reason": "not found"}], 0, "audit skipped"),
+    ],
+)
+def test_an_audit_fails_on_what_is_known_and_tells_what_was_not_looked_up(dependencies, code, told):
+    spec = importlib.util.spec_from_file_location("audit", ROOT / ".ci" / "audit.py")
+    audit = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(audit)
+    lines, found = audit.judge({"dependencies": dependencies})
+    assert found == code and any(told in line for line in lines)
 
 
 def test_lock_is_complete():

@@ -17,6 +17,7 @@ from .gltf_accessors import check_count, open_accessor, read_elements
 from .gltf_asset import DAMAGED, UNPACK, list_companions, open_asset, take_entry, take_kind, take_numbers, take_whole
 from .gltf_places import find_determinants, move, multiply, read_instances
 from .gltf_scene import read_scene
+from .gltf_shares import take_share
 from .gltf_skins import pose, read_influences, read_joints
 from .mesh_file import MeshFile
 
@@ -24,8 +25,6 @@ __all__ = ["list_companions", "read_gltf"]
 
 POSITIONS = {5120, 5121, 5122, 5123, 5126}
 TRIANGLES, STRIP, FAN = 4, 5, 6
-# A few bytes can place a mesh any number of times; beyond this, memory is not asked for.
-MOST_FACES = 2**27
 
 
 def read_gltf(path):
@@ -59,11 +58,11 @@ def read_gltf(path):
     """
     asset = open_asset(path)
     scene = read_scene(asset)
-    parts = {}
+    parts, skins = {}, {}
     for node_id in scene.shown:
         node = asset.document["nodes"][node_id]
         if "mesh" in node:
-            _place_mesh(asset, node, node_id, scene.placed, parts)
+            _place_mesh(asset, node, node_id, scene.placed, parts, skins)
     _tell_left_out(asset.notes, parts)
     return MeshFile(*_join(list(parts.values()), asset.notes), "metre", tuple(asset.notes))
 
@@ -77,8 +76,8 @@ class Part(NamedTuple):
     reason: str = ""
 
 
-def _place_mesh(asset, node, node_id, placed, parts):
-    """Add the places of a node to the parts of its mesh; a part is decoded when it is first met."""
+def _place_mesh(asset, node, node_id, placed, parts, skins):
+    """Add the places of a node to the parts of its mesh; a part is decoded, and a skin read, when it is first met."""
     where = f"Node {node_id}"
     mesh_id = take_whole(node, "mesh", where)
     mesh, name = take_entry(asset.document, "meshes", mesh_id, where), f"mesh {mesh_id}"
@@ -89,15 +88,21 @@ def _place_mesh(asset, node, node_id, placed, parts):
         raise MeshFormatError(
             f"{where} is both skinned and placed by EXT_mesh_gpu_instancing, which is not read; place copies by nodes."
         )
-    joints = None if skin is None else read_joints(asset, skin, placed, where)
+    if skin is not None and skin not in skins:
+        skins[skin] = read_joints(asset, skin, placed, where)
     places = placed[node_id][None] if instances is None else multiply(placed[node_id], instances)
+    places = np.eye(4)[None] if skin is not None else places
     for k, primitive in enumerate(take_kind(mesh, "primitives", list, name)):
         key, whose = (mesh_id, k, weights.tobytes(), skin), f"primitive {k} of {name}"
         if key not in parts:
             if not isinstance(primitive, dict):
                 raise MeshFormatError(f"{whose} is no object; {DAMAGED}.")
-            parts[key] = _read_primitive(asset, primitive, whose, weights, joints)
-        parts[key].places.append(np.eye(4)[None] if skin is not None else places)
+            parts[key] = _read_primitive(asset, primitive, whose, weights, skins.get(skin))
+        if len(parts[key].faces):
+            take_share(asset, "places", len(places))
+            take_share(asset, "vertices", len(places) * len(parts[key].points))
+            take_share(asset, "faces", len(places) * len(parts[key].faces))
+            parts[key].places.append(places)
     if weights.any():
         _tell_once(asset.notes, f"Morph targets of {name} are applied with weights {weights.tolist()}.")
     if skin is not None:
@@ -170,8 +175,9 @@ def _read_runs(asset, primitive, where, count, mode):
     ids = read_elements(accessor._replace(normalized=False))[:, 0].astype(np.int64)
     top, runs = np.iinfo(accessor.dtype).max, [ids]
     if mode != TRIANGLES and "KHR_mesh_primitive_restart" in take_kind(asset.document, "extensionsUsed", list, where):
-        runs = [run[run != top] for run in np.split(ids, np.flatnonzero(ids == top))]
-        runs = [run for run in runs if len(run) > 2] or [ids[:0]]  # shorter ones draw nothing
+        ends = np.concatenate([[-1], np.flatnonzero(ids == top), [len(ids)]])
+        drawn = np.flatnonzero(np.diff(ends) > 3)  # shorter ones draw nothing
+        runs = [ids[ends[k] + 1 : ends[k + 1]] for k in drawn] or [ids[:0]]
         ids = np.where(ids == top, 0, ids)
     at = int(ids.argmax()) if len(ids) else 0
     if len(ids) and ids[at] == top:
@@ -234,13 +240,10 @@ def _check_finite(points, faces, first, name):
 
 def _join(parts, notes):
     """Return all points and faces: part by part, each in all its places."""
+    parts = [part for part in parts if part.places]
     places = [np.concatenate(part.places) for part in parts]
     counts = [(len(k) * len(part.points), len(k) * len(part.faces)) for k, part in zip(places, parts, strict=True)]
     n_points, n_faces = (sum(column) for column in zip(*counts, strict=True)) if counts else (0, 0)
-    if max(n_points, n_faces) > MOST_FACES:
-        raise MeshFormatError(
-            f"The scene places {n_points} vertices and {n_faces} faces, more than {MOST_FACES}; show fewer instances."
-        )
     if not n_faces:
         told = ["The file holds no faces: its scene places no triangle; export the mesh again.", *notes]
         raise MeshFormatError(" ".join(told))
@@ -252,7 +255,7 @@ def _join(parts, notes):
         for axis in range(3):
             here[:, :, axis] = move(part.points, matrices[:, None, axis])
         starts = at + np.arange(len(matrices)) * len(part.points)
-        np.add(part.faces, starts[:, None, None], out=there, casting="unsafe")  # fits: no more than MOST_FACES
+        np.add(part.faces, starts[:, None, None], out=there, casting="unsafe")  # fits, by the bounds on vertices
         mirrored = find_determinants(matrices) < 0
         there[mirrored] = there[mirrored][:, :, ::-1]
         at, row = at + size, row + rows

@@ -13,11 +13,14 @@ import numpy as np
 
 from ..errors import MeshFormatError
 from .gltf_asset import DAMAGED, UNPACK, decode_name, is_data, take_entry, take_kind, take_whole
+from .gltf_shares import take_share, weigh
 
 COMPONENTS = {5120: "i1", 5121: "u1", 5122: "<i2", 5123: "<u2", 5125: "<u4", 5126: "<f4"}
+BLANKS = b" \t\n\r\x0b\f"
 WIDTHS = {"SCALAR": 1, "VEC2": 2, "VEC3": 3, "VEC4": 4, "MAT4": 16}
-# A sparse accessor without a bufferView may declare any number of zeros in a few bytes.
-MOST_ZEROS = 2**24
+# A sparse accessor without a bufferView may declare any number of zeros in a few bytes: those of any file, and one for
+# each byte of a larger one, so that it may have a zero for each vertex that does not move.
+MOST_ZEROS = 2**16
 
 
 def _read_buffer(asset, index, where):
@@ -46,7 +49,7 @@ def _decode_data(uri, name):
     try:
         body = unquote_to_bytes(body)
         if head.lower().endswith(";base64"):
-            body = b"".join(body.split())
+            body = body.translate(None, BLANKS)
             body = base64.b64decode(body + b"=" * (-len(body) % 4), validate=True)
     except ValueError as error:
         raise MeshFormatError(f"The data: URI of {name} is not base64 ({error}); {DAMAGED}.") from error
@@ -64,8 +67,9 @@ def _read_file(asset, uri, length, name):
             f"{name} is the file {relative!r:.200} beside {asset.path.name}, which is not there; copy it along, or save"
             " as .glb."
         )
-    with open(file, "rb") as stream:
-        data = np.fromfile(stream, np.uint8, min(length, file.stat().st_size))
+    if relative not in asset.files:
+        asset.files[relative] = np.memmap(file, np.uint8, "r") if file.stat().st_size else np.zeros(0, np.uint8)
+    data = asset.files[relative][:length]
     if data[:24].tobytes() == b"version https://git-lfs.":
         raise MeshFormatError(f"{name}, the file {relative!r}, is a Git LFS pointer; fetch it with `git lfs pull`.")
     return data, f"the file {relative!r}"
@@ -106,7 +110,7 @@ def open_accessor(asset, index, shape, kinds, where):
     Returns
     -------
     Accessor
-        Nothing was copied or allocated.
+        Nothing was copied, and no memory taken for elements.
 
     Raises
     ------
@@ -126,11 +130,12 @@ def open_accessor(asset, index, shape, kinds, where):
     elements = count, np.dtype(COMPONENTS[kind]), WIDTHS[shape]
     # Indices are tightly packed; only what belongs to vertices or instances may be spaced.
     stored = _view_elements(asset, entry, *elements, name, shape != "SCALAR") if "bufferView" in entry else None
-    if stored is None and count > MOST_ZEROS:
+    if stored is None and count > (most := max(MOST_ZEROS, weigh(asset))):
         raise MeshFormatError(
-            f"{name} declares {count} elements without a bufferView; more than {MOST_ZEROS} are not read: store the"
-            " elements in a buffer."
+            f"{name} declares {count} elements without a bufferView; more than {most} are not read: store the elements"
+            " in a buffer."
         )
+    take_share(asset, "elements", count)
     sparse = _view_sparse(asset, entry, *elements, name) if "sparse" in entry else None
     return Accessor(name, count, stored, sparse, normalized, *elements[1:])
 

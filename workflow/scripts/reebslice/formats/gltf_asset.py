@@ -6,6 +6,7 @@ Encoding, URIs, Asset, Specifying Extensions and GLB File Format.
 
 import json
 import re
+from collections import Counter
 from pathlib import Path
 from typing import NamedTuple
 from urllib.parse import unquote, urlsplit
@@ -19,6 +20,7 @@ DAMAGED = "the file is damaged, export it again (the Khronos glTF Validator list
 UNPACK = "which is not read; write the file without it, for example by `gltf-transform copy IN.glb OUT.glb`"
 CONVERT = "convert it to glTF 2.0, for example by `gltf-pipeline -i IN -o OUT`"
 JSON_CHUNK, BIN_CHUNK = 0x4E4F534A, 0x004E4942
+MOST_NOTES = 9  # on chunks
 
 # Extensions that change where triangles are, and are read.
 READ = {"KHR_mesh_quantization", "EXT_mesh_gpu_instancing", "KHR_mesh_primitive_restart", "KHR_node_visibility"}
@@ -49,6 +51,10 @@ class Asset(NamedTuple):
     chunk: np.ndarray | None
     buffers: dict
     notes: list
+    files: dict
+    """Bytes of the files beside it that buffers name, each once."""
+    counts: Counter
+    """How many elements, vertices, faces and places were taken so far (`gltf_shares`)."""
 
 
 def open_asset(path):
@@ -72,7 +78,7 @@ def open_asset(path):
     """
     notes = []
     text, chunk = _split_file(Path(path), notes)
-    asset = Asset(Path(path), _parse_json(text), chunk, {}, notes)
+    asset = Asset(Path(path), _parse_json(text), chunk, {}, notes, {}, Counter())
     _check_version(asset.document)
     _check_extensions(asset.document, notes)
     return asset
@@ -95,7 +101,7 @@ def list_companions(path):
     """
     try:
         document = _parse_json(_split_file(Path(path), [])[0])
-    except MeshFormatError:
+    except (MeshFormatError, OSError):
         return []
     names, buffers = {}, document.get("buffers")
     for buffer in buffers if isinstance(buffers, list) else []:
@@ -125,30 +131,30 @@ def _split_file(path, notes):
         )
     if len(data) > length:
         notes.append(f"The {len(data) - length} bytes after the end that the GLB header declares were left out.")
-    chunks = _split_chunks(data[:length], notes)
-    if chunks[0][0] != JSON_CHUNK:
+    kinds, chunks = zip(*_split_chunks(data[:length], notes), strict=True)
+    if kinds[0] != JSON_CHUNK:
         raise MeshFormatError(f"The GLB file does not begin with a JSON chunk; {DAMAGED}.")
-    binary = [chunk for kind, chunk in chunks[1:] if kind == BIN_CHUNK]
-    if len(binary) > 1:
-        raise MeshFormatError(f"The GLB file has {len(binary)} BIN chunks where one is allowed; {DAMAGED}.")
-    return chunks[0][1].tobytes().rstrip(b"\0"), binary[0] if binary else None
+    if kinds[1:].count(BIN_CHUNK) > 1:
+        raise MeshFormatError(f"The GLB file has 2 BIN chunks or more, where one is allowed; {DAMAGED}.")
+    return chunks[0].tobytes().rstrip(b"\0"), chunks[1] if len(chunks) > 1 else None
 
 
 def _split_chunks(data, notes):
-    """Return the kind and the bytes of every chunk of a GLB file."""
-    chunks, at = [], 12
-    while at + 8 <= len(data):
+    """Return the kind and the bytes of the first chunk of a GLB file and of those of kind BIN, two at most."""
+    chunks, at, number = [], 12, 0
+    while at + 8 <= len(data) and len(chunks) < 3:
         size, kind = (int.from_bytes(data[k : k + 4].tobytes(), "little") for k in (at, at + 4))
         end = at + 8 + size
         if end > len(data):
             raise MeshFormatError(
-                f"Chunk {len(chunks)} of the GLB file, at byte {at}, declares {size} bytes, but {len(data) - at - 8}"
+                f"Chunk {number} of the GLB file, at byte {at}, declares {size} bytes, but {len(data) - at - 8}"
                 f" are left; {DAMAGED}."
             )
-        if end % 4:  # as some writers leave them; the next header is where it is found
-            notes.append(f"Chunk {len(chunks)} of the GLB file ends at byte {end}, not on a multiple of four bytes.")
-        chunks.append((kind, data[at + 8 : end]))
-        at = end
+        if end % 4 and len(notes) < MOST_NOTES:  # as some writers leave them; the next header is where it is found
+            notes.append(f"Chunk {number} of the GLB file ends at byte {end}, not on a multiple of four bytes.")
+        if kind == BIN_CHUNK or not chunks:
+            chunks.append((kind, data[at + 8 : end]))
+        at, number = end, number + 1
     return chunks
 
 

@@ -10,6 +10,7 @@ import numpy as np
 from ..errors import MeshFormatError
 from .gltf_accessors import open_accessor, read_elements
 from .gltf_asset import DAMAGED, take_kind, take_whole
+from .gltf_shares import take_share
 
 
 def multiply(left, right):
@@ -134,6 +135,7 @@ def read_instances(asset, node, node_id):
     if len(set(counts.values())) > 1:
         raise MeshFormatError(f"{where} has attributes of different count ({counts}); {DAMAGED}.")
     (count,) = set(counts.values())
+    take_share(asset, "places", count)
     rest = {"TRANSLATION": (0, 0, 0), "ROTATION": (0, 0, 0, 1), "SCALE": (1, 1, 1)}
     columns = {name: np.tile(np.array(row, np.float64), (count, 1)) for name, row in rest.items()}
     columns |= {name: read_elements(accessor).astype(np.float64) for name, accessor in opened.items()}

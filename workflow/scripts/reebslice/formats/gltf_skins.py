@@ -10,6 +10,8 @@ from .gltf_accessors import check_count, open_accessor, read_elements
 from .gltf_asset import DAMAGED, take_entry, take_whole, take_wholes
 from .gltf_places import find_determinants, move, multiply
 
+MOST_SETS = 4  # of four joints each; programs write one or two
+
 
 def read_joints(asset, skin_id, placed, where):
     """Return the matrices that carry vertices from the mesh to the scene, one for each joint of a skin.
@@ -31,10 +33,12 @@ def read_joints(asset, skin_id, placed, where):
     Raises
     ------
     MeshFormatError
-        A joint is no node, or there are fewer matrices than joints.
+        A joint is no node, or listed twice, or there are fewer matrices than joints.
     """
     skin, name = take_entry(asset.document, "skins", skin_id, where), f"Skin {skin_id}"
     joints = take_wholes(skin, "joints", name)
+    if len(set(joints)) < len(joints):
+        raise MeshFormatError(f"{name} lists a joint twice, where each is listed once; {DAMAGED}.")
     for joint in joints:
         take_entry(asset.document, "nodes", joint, name)
     if "inverseBindMatrices" not in skin:
@@ -73,11 +77,16 @@ def read_influences(asset, attributes, where, count, rows, n_joints):
     Raises
     ------
     MeshFormatError
-        A set is missing, or a vertex has no joint.
+        A set is missing, or there are more than `MOST_SETS`, or a vertex has no joint.
     """
     sets = sum(f"JOINTS_{k}" in attributes for k in range(len(attributes)))
     if not sets:
         raise MeshFormatError(f"{where} is skinned but has no JOINTS_0 and WEIGHTS_0; {DAMAGED}.")
+    if sets > MOST_SETS:
+        raise MeshFormatError(
+            f"{where} has {sets} sets of joints and weights; at most {MOST_SETS} are read: limit the joints for each"
+            f" vertex to {4 * MOST_SETS} in the program that wrote the file."
+        )
     columns = {}
     for name, kinds in (("JOINTS", {5121, 5123}), ("WEIGHTS", {5121, 5123, 5126})):
         found = []

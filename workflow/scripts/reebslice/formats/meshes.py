@@ -12,6 +12,7 @@ from .number_lines import decode
 
 SUFFIXES = (".stl", ".obj", ".ply", ".off", ".glb", ".gltf", ".3mf", ".step", ".stp")
 CHECKED = (".stl", ".obj", ".ply", ".off")  # their readers name a fault by its line or facet themselves
+LONGEST = 2000  # letters of a sentence; what is wrong stands at its begin, and the cure at its end
 POINTER = b"version https://git-lfs"
 
 
@@ -61,15 +62,24 @@ def read_mesh(path: str | PathLike[str]) -> MeshFile:
     reader = _find_reader(ending)  # what goes wrong here is no fault of the mesh
     try:
         mesh = reader(path)
-    except (MeshFormatError, ImportError, MemoryError, OSError):  # the last three are no faults of the mesh
+    except MeshFormatError as error:
+        raise MeshFormatError(_shorten(str(error))) from error
+    except (ImportError, MemoryError, OSError):  # these are no faults of the mesh
         raise
     except Exception as error:  # a reader may stumble over damage in any way it likes
-        told = f"{type(error).__name__}: {error}".splitlines()[0]
+        told = _shorten(f"{type(error).__name__}: {error}".splitlines()[0])
         raise MeshFormatError(f"The file is damaged or not really {ending} ({told}); export the mesh again.") from error
     points = np.asarray(mesh.points, np.float64).reshape(-1, 3)
     if ending not in CHECKED and (fault := find_fault(points, mesh.faces)):
         raise MeshFormatError(fault)
-    return mesh._replace(points=points, faces=mesh.faces.astype(np.int32, copy=False))
+    notes = tuple(map(_shorten, mesh.notes))
+    return mesh._replace(points=points, faces=mesh.faces.astype(np.int32, copy=False), notes=notes)
+
+
+def _shorten(sentence):
+    """Return a sentence on one line, without its middle if names from the file make it very long."""
+    sentence = "".join(letter if letter.isprintable() else " " for letter in sentence)
+    return sentence if len(sentence) <= LONGEST else f"{sentence[: LONGEST // 2]} ... {sentence[-LONGEST // 2 :]}"
 
 
 def _find_reader(ending):

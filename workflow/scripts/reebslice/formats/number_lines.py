@@ -1,5 +1,7 @@
 """Lines of numbers, which ASCII meshes are made of, taken from the bytes of a file."""
 
+from io import BytesIO
+
 import numpy as np
 
 from ..errors import NumberFormatError
@@ -40,7 +42,7 @@ def read_numbers(text, most=2**63 - 1):
 
 def describe_word(text, first_line):
     """Return which line of a text, as bytes, holds the first word that is no number, counted from `first_line`."""
-    for number, line in enumerate(text.split(b"\n"), first_line):
+    for number, line in enumerate(BytesIO(text), first_line):
         for word in line.split():
             if not is_number(word):
                 return f"Line {number} holds '{decode(word)}' where a number is due"

@@ -5,6 +5,7 @@ Reference: Wavefront Technologies, Advanced Visualizer Manual, Appendix B1, Obje
 
 import re
 from collections import Counter
+from io import BytesIO
 
 import numpy as np
 
@@ -74,6 +75,7 @@ NEW_LINE, SPACE = b"\n "
 F, G, M, N, O, S, T, U, V = b"fgmnostuv"  # noqa: E741, the letter
 NOTHING, VERTEX, FACE, OTHER = range(4)
 MOST = 2**31 - 1
+MOST_DIGITS = 4000  # Python reads no whole number of many more
 
 
 @njit
@@ -194,8 +196,8 @@ def _read_face(letters, i, ids, at, n_points):
 def _list_statements(data):
     """Yield the line and the words of every statement."""
     start, joined = 1, b""
-    for number, line in enumerate(data.split(b"\n"), 1):
-        line, *comment = re.split(rb"(?<!\.)#", line, maxsplit=1)
+    for number, line in enumerate(BytesIO(data), 1):
+        line, *comment = re.split(rb"(?<!\.)#", line.removesuffix(b"\n"), maxsplit=1)
         goes_on = not comment and line.endswith(b"\\")
         joined += line[:-1] + b" " if goes_on else line
         if not goes_on:
@@ -232,7 +234,7 @@ def _describe_stray(data, n_points, count):
             continue
         face += 1
         for word in words[1:]:
-            id = int(word.partition(b"/")[0])
+            id = int(word.partition(b"/")[0][:MOST_DIGITS])
             if id < -before or id == 0 or id > n_points:
                 there = "counted from 1"
                 if id < 0:

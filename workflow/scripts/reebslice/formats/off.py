@@ -5,6 +5,7 @@ or not; 4OFF and nOFF hold points of other dimensions and are refused.
 """
 
 import re
+from io import BytesIO
 
 import numpy as np
 
@@ -45,7 +46,7 @@ def read_off(path):
     text = text[blank:][len(text[blank:].partition(b"\n")[0]) - len(rest) :]
     line = data.count(b"\n", 0, blank) + 1
     counts = text.split(maxsplit=2)[:2]
-    if len(counts) < 2 or not all(word.isdigit() for word in counts):
+    if len(counts) < 2 or not all(word.isdigit() and len(word) < 19 for word in counts):  # of 64 bits
         raise MeshFormatError(
             f"The OFF file has '{decode(b' '.join(counts))}' where its numbers of vertices and faces are due;"
             " export the mesh again."
@@ -99,7 +100,7 @@ def _walk(numbers, ends, at, n_faces):
     most = min(n_faces, len(numbers))
     begin, sizes, line, doubtful = np.empty(most, np.int64), np.empty(most, np.int64), 0, n_faces
     for k in range(n_faces):
-        if at >= len(numbers) or numbers[at] < 0 or at + 1 + numbers[at] > len(numbers):
+        if at >= len(numbers) or not 0 <= numbers[at] <= len(numbers) - at - 1 or numbers[at] != np.floor(numbers[at]):
             return begin, sizes, min(k, doubtful)
         begin[k], sizes[k] = at + 1, np.int64(numbers[at])
         at += 1 + sizes[k]
@@ -159,7 +160,9 @@ def _build(points, begin, sizes, whole, numbers, n_faces, find_lines):
         raise MeshFormatError(f"Face {first} names a vertex by something that is not a whole number; mend that line.")
 
     def name(noun, number, before):
-        return f"{noun} {number}" + (f" (line {find_lines()[1 + before + number]})" if find_lines else "")
+        lines = find_lines() if find_lines else []
+        by_rows = len(lines) > len(points) + n_faces  # as the specification has them
+        return f"{noun} {number}" + (f" (line {lines[1 + before + number]})" if by_rows else "")
 
     names = Names(0, lambda v: name("vertex", v, 0), lambda f: name("face", f, len(points)))
     return build_mesh(points, corners, sizes, names)
@@ -167,4 +170,4 @@ def _build(points, begin, sizes, whole, numbers, n_faces, find_lines):
 
 def _find_lines(text, first):
     """Return the numbers of the lines that are not blank."""
-    return [number for number, line in enumerate(text.split(b"\n"), first) if line.strip()]
+    return [number for number, line in enumerate(BytesIO(text), first) if line.strip()]

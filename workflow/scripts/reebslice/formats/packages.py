@@ -18,7 +18,8 @@ from ..errors import MeshFormatError
 
 LARGEST_PART = 1 << 32  # bytes
 # Text of meshes packs 3 to 30 fold. A package that unpacks more than this many times its size on disk is no mesh.
-LARGEST_RATIO, FREE_BYTES = 200, 1 << 26
+LARGEST_RATIO, FREE_BYTES = 100, 1 << 25
+METHODS = (zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED)  # those that the conventions allow; others unpack without bound
 # What zipfile raises on damage: a place outside the file (OSError EINVAL) and names that are no text among it.
 _DAMAGE = (zipfile.BadZipFile, zlib.error, struct.error, EOFError, OSError, RuntimeError, ValueError)
 RELATIONSHIP = "http://schemas.openxmlformats.org/package/2006/relationships Relationship"
@@ -30,6 +31,10 @@ class Package:
     Parameters
     ----------
     path : path of the ZIP archive
+
+    Attributes
+    ----------
+    unpacked : int, bytes of all parts read so far
 
     Raises
     ------
@@ -47,7 +52,7 @@ class Package:
                 f"The file is no ZIP archive as 3MF has to be, or is cut off ({error}); copy or export it again."
             ) from None
         self._size = path.stat().st_size
-        self._unpacked = 0
+        self.unpacked = 0
         self._entries = defaultdict(list)
         for entry in self._archive.infolist():
             if not entry.is_dir():
@@ -76,8 +81,8 @@ class Package:
         Raises
         ------
         MeshFormatError
-            There is no such part or there are two; it is damaged or encrypted;
-            it would unpack to more than `LARGEST_PART` bytes, or all parts read
+            There is no such part or there are two; it is damaged, encrypted or
+            packed as the conventions do not allow; it would unpack to more than `LARGEST_PART` bytes, or all parts read
             so far to more than `LARGEST_RATIO` times the package's size
             (`FREE_BYTES` are free).
         """
@@ -88,7 +93,11 @@ class Package:
         entry = entries[0]
         self._hold_against_bounds(entry)
         try:
-            return self._archive.read(entry)
+            with self._archive.open(entry) as file:
+                data = file.read(entry.file_size)  # with a size, zipfile unpacks no more; without, all that there is
+            if len(data) < entry.file_size:
+                raise EOFError(f"it unpacks to {len(data)} bytes instead of {entry.file_size}")
+            return data
         except _DAMAGE as error:
             if isinstance(error, OSError) and error.errno not in (None, errno.EINVAL):
                 raise  # the disk's fault, not the file's
@@ -98,10 +107,15 @@ class Package:
             ) from None
 
     def _hold_against_bounds(self, entry):
-        """Refuse a part whose declared size is beyond bounds; zipfile never unpacks more than is declared."""
+        """Refuse a part whose declared size is beyond bounds, or that is packed by a method that keeps to none."""
+        if entry.compress_type not in METHODS:
+            raise MeshFormatError(
+                f"Part {spell_name(entry.filename)} is packed by method {entry.compress_type} of ZIP; packages hold"
+                " parts that are stored or deflated (methods 0 and 8) only: export the model again."
+            )
         most = max(FREE_BYTES, LARGEST_RATIO * self._size)
-        self._unpacked += entry.file_size
-        if entry.file_size > LARGEST_PART or self._unpacked > most:
+        self.unpacked += entry.file_size
+        if entry.file_size > LARGEST_PART or self.unpacked > most:
             raise MeshFormatError(
                 f"Part {spell_name(entry.filename)} unpacks to {entry.file_size} bytes, in a package of {self._size}"
                 f" bytes; at most {LARGEST_PART} bytes for one part, and {most} for all that are read, are unpacked."

@@ -193,9 +193,8 @@ def _read_elements(data, header):
             told = describe_word(data[header.body :].replace(b"\r\n", b"\n").replace(b"\r", b"\n"), header.line)
             raise MeshFormatError(f"{told}; mend that line or export the mesh again.") from None
     found = {}
-    for k, element in enumerate(header.elements):
-        if all(one.name not in WANTED or not one.count for one in header.elements[k:]):
-            break
+    last = max((k for k, one in enumerate(header.elements) if one.name in WANTED and one.count), default=-1)
+    for element in header.elements[: last + 1]:
         names = "xyz" if element.name == "vertex" else (_find_list(element),) if element.name in WANTED else ()
         found[element.name], at = read(body, at, element, names if element.count else (), header.order)
     found.setdefault("vertex", [(np.zeros(0), None)] * 3)

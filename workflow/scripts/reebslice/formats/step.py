@@ -184,7 +184,7 @@ def _tessellate_closer(data, base, bodies):
 
 
 _REAL = rb"\s*[-+]?\d+\.\d*(?:[Ee][-+]?\d+)?\s*"
-_POINT = re.compile(rb"(\bCARTESIAN_POINT\s*\(\s*(?:'(?:[^']|'')*'\s*,\s*)?\()(%s),(%s),(%s)(\))" % ((_REAL,) * 3))
+_POINT = re.compile(rb"(\bCARTESIAN_POINT\s*\(\s*(?:'(?:[^']++|'')*+'\s*,\s*)?\()(%s),(%s),(%s)(\))" % ((_REAL,) * 3))
 
 
 def move_points(data, vector):

@@ -14,6 +14,7 @@ import numpy as np
 from ..errors import MeshFormatError
 
 TOLERANCES = {"tol_linear": 0.001, "tol_angular": 0.25, "tol_relative": True}
+MOST_TRIANGLES = 1 << 25  # what is placed many times; what is there once may always be read
 METRE = 1000.0  # millimetres in the unit of glTF
 # cascadio imports trimesh if it is there, to extend it, which takes longer than most files and is of no use here.
 _PROGRAM = """import sys
@@ -73,7 +74,8 @@ def tessellate(data):
         source, target = Path(folder, "model.step"), Path(folder, "model.glb")
         source.write_bytes(data)
         program = [sys.executable, "-c", _PROGRAM.format(TOLERANCES), str(source), str(target)]
-        run = subprocess.run(program, capture_output=True, text=True, errors="replace", check=False)
+        options = {"capture_output": True, "text": True, "errors": "replace"}
+        run = subprocess.run(program, check=False, **options)  # noqa: S603, words that stand here, names made here
         if run.returncode == -9:
             raise MemoryError("the process that reads the STEP file was killed, most likely for want of memory")
         if run.returncode or not target.exists():
@@ -95,17 +97,25 @@ def parse_glb(data):
     Raises
     ------
     MeshFormatError
-        There are no faces.
+        There are no faces, or more than `MOST_TRIANGLES` and than `data` has
+        bytes, as copies of few.
     """
     length = int.from_bytes(data[12:16], "little")
     scene, buffer = json.loads(data[20 : 20 + length]), data[28 + length :]
-    parts, count = [], 0
+    parts, count, triangles = [], 0, 0
     for mesh, matrix in _walk(scene):
         for primitive in scene["meshes"][mesh]["primitives"]:
             if primitive.get("mode", 4) == 4:
                 position = scene["accessors"][primitive["attributes"]["POSITION"]]
                 points = METRE * _read_accessor(scene, buffer, position).reshape(-1, 3)
-                faces = _read_accessor(scene, buffer, scene["accessors"][primitive["indices"]]).reshape(-1, 3) + count
+                indices = scene["accessors"][primitive["indices"]]
+                triangles += indices["count"] // 3
+                if triangles > (most := max(MOST_TRIANGLES, len(data))):
+                    raise MeshFormatError(
+                        f"The STEP file places more than {most} triangles, copies included, which is the most that is"
+                        " read; export fewer copies."
+                    )
+                faces = _read_accessor(scene, buffer, indices).reshape(-1, 3) + count
                 box = METRE * np.array([position["min"], position["max"]])
                 parts.append(
                     (points, faces.astype(np.int64), np.full(len(points), len(parts)), matrix[None], box[None])

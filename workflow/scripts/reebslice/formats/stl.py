@@ -4,6 +4,9 @@ Reference: 3D Systems, StereoLithography Interface Specification, October 1989. 
 two bytes, in which Magics and VisCAM keep colours, are passed over.
 """
 
+from io import BytesIO
+from itertools import islice, pairwise
+
 import numpy as np
 
 from ..errors import MeshFormatError, NumberFormatError
@@ -69,7 +72,7 @@ def _count_facets(text):
     """Name vertices after their facets, with the line where it is known."""
 
     def name(vertex):
-        line = "" if text is None else f" (line {_list_vertices(text)[vertex][0]})"
+        line = "" if text is None else f" (line {next(islice(_list_vertices(text), vertex, None))[0]})"
         return f"vertex {vertex % 3 + 1} of facet {vertex // 3 + 1}{line}"
 
     return Names(1, name, lambda face: f"facet {face + 1}")
@@ -189,10 +192,10 @@ def _skip_word(letters, i):
 def _describe_facet(data, number, start):
     """Describe the facet that begins at `start` and has not three vertices."""
     line = data.count(b"\n", 0, start) + 1
-    after = data[start + len(FACET_WORD) :]
-    words = iter(after.lower().split())
+    after = BytesIO(data)
+    after.seek(start + len(FACET_WORD))
     vertices, ended = 0, False
-    for word in words:
+    for word in (word for row in after for word in row.lower().split()):
         if word in (b"facet", b"endfacet", b"endsolid", b"solid"):
             ended = True
             break
@@ -219,15 +222,12 @@ def _describe_vertex(data):
 
 
 def _list_vertices(data):
-    """List the lines, and the words there, that follow `vertex`."""
-    rows = []
-    for number, line in enumerate(data.split(b"\n"), 1):
+    """Yield the number of the line, and the words there, that follow each `vertex`."""
+    for number, line in enumerate(BytesIO(data), 1):
         words = line.split(b"#")[0].split(b";")[0].split(b"//")[0].split()
         if words and words[0].lower() in (b"solid", b"endsolid"):
             continue
-        for k, word in enumerate(words):
-            if word.lower() == b"vertex":
-                more = words[k + 1 :]
-                ends = [m for m, other in enumerate(more) if other.lower() in (b"vertex", b"endloop")]
-                rows.append((number, more[: ends[0]] if ends else more))
-    return rows
+        marks = [k for k, word in enumerate(words) if word.lower() in (b"vertex", b"endloop")]
+        for k, end in pairwise([*marks, len(words)]):
+            if words[k].lower() == b"vertex":
+                yield number, words[k + 1 : end]

@@ -20,6 +20,10 @@ AXES = {"vertex": ("x", "y", "z"), "triangle": ("v1", "v2", "v3")}
 ROW_PLACES = {f"{CORE} vertex": "/model/resources/object/mesh/vertices"}
 ROW_PLACES |= {f"{CORE} triangle": "/model/resources/object/mesh/triangles"}
 DEEPEST = 256
+# Elements that hold what is read. All others are in one place: names of elements may be as long as the part.
+PLACES = {"/model", "/model/resources", "/model/resources/object", "/model/resources/object/mesh", *ROW_PLACES.values()}
+PLACES |= {"/model/resources/object/components", "/model/build"}
+ELSEWHERE = "elsewhere"
 TYPES = ("model", "solidsupport", "support", "surface", "other")
 
 
@@ -112,8 +116,8 @@ class _Reader:
             self.take_row(tag[len(CORE) + 1 :], attributes)
             return
         namespace, _, name = tag.rpartition(" ")
-        place = f"{self.places[-1]}/{name if namespace == CORE else tag}"
-        self.places.append(place)
+        place = f"{self.places[-1]}/{name}" if namespace == CORE else ELSEWHERE
+        self.places.append(place if place in PLACES else ELSEWHERE)
         if len(self.places) > DEEPEST:
             raise self.fault(f"has elements nested more than {DEEPEST} deep")
         if len(self.places) == 2:

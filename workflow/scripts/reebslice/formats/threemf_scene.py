@@ -13,8 +13,10 @@ START_PART = "http://schemas.microsoft.com/3dmanufacturing/2013/01/3dmodel"
 UNITS = {"micron": "micrometre", "millimeter": "millimetre", "centimeter": "centimetre", "meter": "metre"}
 UNITS |= {"inch": "inch", "foot": "foot"}
 SOLID = ("model", "solidsupport")
-# Components of components multiply: thirty levels of two are a billion copies in a kilobyte.
-MOST_TRIANGLES, MOST_PLACES = 1 << 27, 1 << 20
+# Components of components multiply: thirty levels of two are a billion copies in a kilobyte. What a package holds
+# itself, less than one triangle, vertex or place for each byte, it may always place.
+MOST_TRIANGLES, MOST_PLACES = 1 << 25, 1 << 18
+UNCOUNTED = 10**15  # beyond this, copies are not counted: their number may have more digits than the file has bytes
 
 
 class Copy(NamedTuple):
@@ -42,7 +44,7 @@ class Scene:
     def __init__(self, package):
         self.package = package
         self.models, self.used, self.left_out = {}, set(), {}
-        self._sizes = {}  # triangles and places at and below each object, copies included
+        self._sizes = {}  # triangles (or vertices, if more) and places at and below each object, copies included
         self._root_name = find_root(package)
         self.root = self._load(self._root_name)
 
@@ -58,14 +60,17 @@ class Scene:
         MeshFormatError
             An item or component names an object or part that is not there;
             components form a circle; there are more than `MOST_TRIANGLES` or
-            `MOST_PLACES`; an object's shape is not a mesh.
+            `MOST_PLACES`, and more than the package has bytes, unpacked; an
+            object's shape is not a mesh.
         """
         found = [self._find(item, fold_name(self._root_name)) for item in self.root.items]
         triangles, places = (sum(sizes) for sizes in zip((0, 0), *(self._measure(key) for key in found), strict=True))
-        if triangles > MOST_TRIANGLES or places > MOST_PLACES:
+        most = max(MOST_TRIANGLES, self.package.unpacked), max(MOST_PLACES, self.package.unpacked)
+        if triangles > most[0] or places > most[1]:
+            more = " and more" * (max(triangles, places) >= UNCOUNTED)
             raise MeshFormatError(
-                f"The build of the 3MF file places {triangles} triangles in {places} objects, copies included; at most"
-                f" {MOST_TRIANGLES} and {MOST_PLACES} are read. Export fewer copies."
+                f"The build of the 3MF file places {triangles} triangles (or vertices) in {places} objects{more},"
+                f" copies included; at most {most[0]} and {most[1]} are read from it. Export fewer copies."
             )
         matrices = [item.matrix for item in self.root.items]
         return [copy for key, matrix in zip(found, matrices, strict=True) for copy in self._place(key, matrix)]
@@ -123,19 +128,19 @@ class Scene:
             key, below = waiting.pop()
             if below is not None:
                 del above[key]
-                self._sizes[key] = tuple(map(sum, zip((0, 1), *(self._sizes[child] for child in below), strict=True)))
+                sums = map(sum, zip((0, 1), *(self._sizes[child] for child in below), strict=True))
+                self._sizes[key] = tuple(min(count, UNCOUNTED) for count in sums)
             elif key in above:
                 circle = [*list(above)[list(above).index(key) :], key]
-                told = ", in ".join(
-                    f"object {object_id} of {self.models[part].part}" for part, object_id in circle[::-1]
-                )
+                shown = [f"object {object_id} of {self.models[part].part}" for part, object_id in circle[::-1]]
+                told = ", in ".join(shown if len(shown) < 9 else [*shown[:4], "...", *shown[-4:]])
                 raise MeshFormatError(f"Components form a circle: {told}; the file is damaged: export the model again.")
             elif key not in self._sizes and (below := self._components(key)):
                 above[key] = None
                 waiting += [(key, below), *((child, None) for child in below)]
             elif key not in self._sizes:
-                faces = self._object(key).faces
-                self._sizes[key] = (0 if faces is None else len(faces), 1)
+                thing = self._object(key)
+                self._sizes[key] = (0 if thing.faces is None else max(len(thing.faces), len(thing.points)), 1)
         return self._sizes[top]
 
     def _place(self, key, matrix):
