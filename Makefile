@@ -1,6 +1,7 @@
 # make run     the workflow on data/meshes, which is filled with examples if it is empty
 # make test    the tests
 # make lint    what holds of the text of the code: format, rules, types, imports between rooms
+# make test-slurm  the workflow through a SLURM that it brings up here and takes down again (root, Debian)
 # make tables  docs/tables.md, after a change of the schemas
 # make lock    pin what is installed in .venv, after a change of pyproject.toml
 # make clean   remove the environment and what was compiled, never results
@@ -13,7 +14,7 @@ VENV := .venv
 BIN := $(VENV)/bin
 READY := $(VENV)/.ready
 
-.PHONY: run test lint tables lock clean
+.PHONY: run test test-slurm lint tables lock clean
 
 run: $(READY) data/meshes
 	$(BIN)/snakemake --cores $(CORES)
@@ -22,6 +23,9 @@ run: $(READY) data/meshes
 
 test: $(READY)
 	$(BIN)/python -m pytest -n $(CORES) --dist loadfile
+
+test-slurm: $(READY)
+	$(BIN)/python tests/cluster/run_on_slurm.py
 
 # The lint of Snakemake parses the workflow, which wants a folder with a mesh.
 lint: $(READY) data/meshes

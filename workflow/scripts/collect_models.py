@@ -12,4 +12,4 @@ from corpus.storage import write_parquet
 if "snakemake" in globals():
     print_into(snakemake.log[0])
     trim_startup()
-    write_parquet(snakemake.output.table, make_model_table(snakemake.input))
+    write_parquet(snakemake.output.table, make_model_table(dict(snakemake.input.items())))
