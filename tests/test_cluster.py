@@ -113,8 +113,8 @@ def test_profiles_say_what_snakemake_knows(profile):
     assert {name for name in settings if not name.startswith("slurm-")} <= known
     assert settings["keep-going"] and settings["rerun-incomplete"] and settings["retries"] >= 1
     assert "configfile" not in settings or (profile / settings["configfile"]).is_file()
-    assert set(settings.get("groups", STAGES)) == set(STAGES)
-    assert set(settings.get("set-resources", (*STAGES, "compare_links"))) == {*STAGES, "compare_links"}
+    for key in {"groups", "set-resources"} & set(settings):
+        assert set(settings[key]) == {*STAGES, "compare_links"}
 
 
 def test_profiles_are_taken_up_when_asked_for(tmp_path):

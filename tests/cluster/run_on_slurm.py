@@ -1,16 +1,18 @@
 """Run the workflow through a real SLURM, and hold every result file against a local run's.
 
-    python tests/cluster/run_on_slurm.py [FOLDER]
+    python tests/cluster/run_on_slurm.py [FOLDER [WAY ...]]
 
 Brings a SLURM of one node up on this machine (one_node_slurm.sh: as root, on
 Debian), sends the examples and, where ../shared/meshes is there, twenty small
 real meshes through it in the ways of WAYS, and takes it down again. On the way
 a job is cancelled, and the node is drained and resumed. The exit code says
 whether every run finished with the files of the local one. All that is
-written is in FOLDER, a new one, by default under the system's temporary folder.
+written is in FOLDER, by default a new one under the system's temporary folder;
+with one that holds a local run already, that is what is compared with.
 """
 
 import os
+import signal
 import subprocess
 import sys
 import tempfile
@@ -30,7 +32,13 @@ PROFILES = ROOT / "workflow/profiles"
 ENDINGS = (".stl", ".obj", ".ply", ".off", ".glb")
 REAL, SMALLEST = 20, 10_000  # real meshes, and the fewest bytes of one
 TARGETS = ("all", "compare_methods")
-CONFIG = ("batches={most: 2}", "compare={levels: [16], tilts: [none]}", "draw={width: 600}")
+# Few levels, since what is tried is the way of the jobs.
+CONFIG = (
+    "batches={most: 1, size: 64}",
+    "levels={distance: 0.05}",
+    "compare={levels: [16], tilts: [none]}",
+    "draw={width: 400}",
+)
 QUICK = ("--latency-wait", "5")  # one file system, one node
 POLL = ("--slurm-init-seconds-before-status-checks", "5")
 SUBMIT = "sbatch --parsable --mem={resources.mem_mb} --time={resources.runtime} --output=sbatch-%j.log"
@@ -53,26 +61,22 @@ class Way:
 
 WAYS = (
     Way(
-        "single jobs",
-        ("--executor", "slurm", "--jobs", "20", "--retries", "1", *POLL),
-        disturbed=True,
-        says=("Trying to restart job",),
-    ),
-    Way(
         "one job per batch",
         ("--workflow-profile", str(PROFILES / "slurm"), *POLL),
         disturbed=True,
         says=("Trying to restart job",),
     ),
     Way(
-        "one job for two batches",
-        ("--workflow-profile", str(PROFILES / "slurm"), "--group-components", "batch=2", *POLL),
+        "single jobs",
+        ("--executor", "slurm", "--slurm-status-command", "squeue", "--jobs", "20", "--retries", "1", *POLL),
+        disturbed=True,
+        says=("Trying to restart job",),
     ),
     Way(
         "array jobs",
         ("--workflow-profile", str(PROFILES / "slurm-arrays"), *POLL),
         disturbed=True,
-        says=("Submitted array job",),
+        says=("Trying to restart job", "Submitted array job"),
     ),
     Way(
         "cluster-generic",
@@ -80,23 +84,30 @@ WAYS = (
         disturbed=True,
         says=("Trying to restart job", "Job rate limit reached"),
     ),
+    Way(
+        "one job for two batches",
+        ("--workflow-profile", str(PROFILES / "slurm"), "--group-components", "batch=2", *POLL),
+    ),
 )
 
 
-def main(folder=None):
-    """Run all ways in `folder`; return the exit code."""
+def main(folder=None, *names):
+    """Run the ways of these names, or all, in `folder`; return the exit code."""
     folder = Path(folder or tempfile.mkdtemp(prefix="reebslice-slurm-")).resolve()
     folder.mkdir(parents=True, exist_ok=True)
+    signal.signal(signal.SIGTERM, lambda *_: sys.exit("ended from outside"))  # SLURM is taken down all the same
     say(f"everything is in {folder}")
-    lay_out_meshes(folder / "meshes")
-    install_plugins(folder / "plugins")
-    run(folder, "local", ("--cores", "2"))
+    if not (folder / "local/results/corpus/comparison.parquet").exists():
+        lay_out_meshes(folder / "meshes")
+        install_plugins(folder / "plugins")
+        run(folder, "local", ("--cores", "2"))
+    os.environ["PYTHONPATH"] = os.pathsep.join(filter(None, (f"{folder}/plugins", os.environ.get("PYTHONPATH"))))
     with slurm(folder / "slurm"):
-        outcomes = [try_way(folder, way) for way in WAYS]
-    print("\nway, seconds, jobs by state, longest time limit in minutes, result files compared, what is wrong")
+        outcomes = [try_way(folder, way) for way in WAYS if way.name in names or not names]
+    print("\nway, seconds, processor seconds of the jobs, jobs by state, result files compared, what is wrong")
     for outcome in outcomes:
         print(*outcome, sep=", ")
-    return int(any(outcome[-1] for outcome in outcomes))
+    return int(any(outcome[-1] != "nothing" for outcome in outcomes))
 
 
 def say(text):
@@ -119,7 +130,6 @@ def install_plugins(folder):
     """Put Snakemake's executors, which the environment of the project does without, in a folder of their own."""
     pins = PROFILES / "slurm/plugins.txt"
     call([sys.executable, "-m", "pip", "install", "--quiet", "--no-deps", "--target", folder, "--requirement", pins])
-    os.environ["PYTHONPATH"] = os.pathsep.join(filter(None, (str(folder), os.environ.get("PYTHONPATH"))))
 
 
 @contextmanager
@@ -134,7 +144,7 @@ def slurm(folder):
 
 
 def try_way(folder, way):
-    """Run one way; return its name, seconds, jobs, time limit, files compared, and what is wrong."""
+    """Run one way; return its name, seconds, those of processors, jobs, files compared, and what is wrong."""
     before, start = set(list_jobs()), time.perf_counter()
     disturbance = threading.Thread(target=disturb, args=(before,), daemon=True)
     if way.disturbed:
@@ -146,14 +156,14 @@ def try_way(folder, way):
     jobs = {job: facts for job, facts in list_jobs().items() if job not in before}
     compared, differing = compare_results(folder / "local", folder / way.name)
     wrong = [f"{name} differs" for name in differing] + [f"not said: {text}" for text in way.says if text not in said]
-    wrong += [f"job {job} without a time limit" for job, (_, limit) in jobs.items() if not limit.isdigit()]
-    if way.disturbed and not any(state == "CANCELLED" for state, _ in jobs.values()):
+    wrong += [f"job {job} without a time limit" for job, (_, limit, _) in jobs.items() if not limit.isdigit()]
+    states = [state for state, _, _ in jobs.values()]
+    if way.disturbed and "CANCELLED" not in states:
         wrong.append("no job was cancelled")
-    states = [state for state, _ in jobs.values()]
     counts = " and ".join(f"{states.count(state)} {state}" for state in sorted(set(states)))
-    longest = max((int(limit) for _, limit in jobs.values() if limit.isdigit()), default=0)
+    processor = round(sum(used for _, _, used in jobs.values()))
     say(f"{way.name}: {seconds} s, {counts}; {compared} files compared, {len(differing)} differ")
-    return way.name, seconds, counts, longest, compared, "; ".join(wrong)
+    return way.name, seconds, processor, counts, compared, "; ".join(wrong) or "nothing"
 
 
 def run(folder, name, arguments):
@@ -196,14 +206,24 @@ def wait_for_running_job(before):
 
 
 def list_jobs():
-    """Return all jobs that SLURM knows, array tasks apart, as {id: (state, time limit in minutes)}."""
-    columns = "--format=JobID,State,TimelimitRaw"
-    rows = call(["sacct", "--allocations", "--noheader", "--parsable2", "--starttime=now-1day", columns])
+    """Return all jobs that SLURM knows, array tasks apart: {id: (state, time limit in minutes, processor seconds)}."""
+    columns = "--format=JobID,State,TimelimitRaw,TotalCPU"
+    rows = call(["sacct", "--noheader", "--parsable2", "--starttime=now-1day", columns])
     jobs = {}
     for row in rows.splitlines():
-        job, state, limit = row.split("|")
-        jobs[job] = (state.split()[0], limit)
+        job, state, limit, used = row.split("|")
+        if "." not in job:  # no step of a job; a job alone (--allocations) would not tell of its steps' seconds
+            jobs[job] = (state.split()[0], limit, read_seconds(used))
     return jobs
+
+
+def read_seconds(text):
+    """Return the seconds of a time as SLURM writes it: 1-02:03:04, 02:03:04 or 03:04.567."""
+    days, _, clock = text.rpartition("-")
+    seconds = int(days or 0) * 24 * 3600.0
+    for place, part in enumerate(reversed(clock.split(":"))):
+        seconds += float(part or 0) * 60**place
+    return seconds
 
 
 def call(command):
