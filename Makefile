@@ -3,6 +3,7 @@
 # make test-faults ROUNDS=300    runs that are killed, starved and meddled with, held against undisturbed ones
 # make check   the graphs in results/, held against their meshes by check.py (docs/theorem.md)
 # make lint    what holds of the text of the code: format, rules, types, imports between rooms
+# make test-slurm  the workflow through a SLURM that it brings up here and takes down again (root, Debian)
 # make tables  docs/tables.md, after a change of the schemas
 # make audit   ask whether a locked package is known to be vulnerable; skipped where the service is not reached
 # make fuzz    read 20,000 damaged files (ROUNDS=...): only meshes, tables and sentences may come of them
@@ -17,7 +18,7 @@ VENV := .venv
 BIN := $(VENV)/bin
 READY := $(VENV)/.ready
 
-.PHONY: run test test-faults lint tables lock clean check audit fuzz
+.PHONY: run test test-faults lint tables lock clean check audit fuzz test-slurm
 
 run: $(READY) data/meshes
 	$(BIN)/snakemake --cores $(CORES)
@@ -32,6 +33,9 @@ test-faults: $(READY)
 
 check: $(READY)
 	$(BIN)/python check.py results
+
+test-slurm: $(READY)
+	$(BIN)/python tests/cluster/run_on_slurm.py
 
 # The lint of Snakemake parses the workflow, which wants a folder with a mesh.
 lint: $(READY) data/meshes

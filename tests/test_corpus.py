@@ -396,8 +396,8 @@ def models_of(*batches):
         for stage in STAGES:
             table = pa.Table.from_pylist(rows, schema=STATUS_SCHEMA)
             write_parquet(layout.STATUS_FOLDER / stage / f"{name}.parquet", table)
-    last = [layout.STATUS_FOLDER / STAGES[-1] / f"{name}.parquet" for name, _ in batches]
-    return model_table.make_model_table(last).combine_chunks()
+    tables = {stage: [layout.STATUS_FOLDER / stage / f"{name}.parquet" for name, _ in batches] for stage in STAGES}
+    return model_table.make_model_table(tables).combine_chunks()
 
 
 def test_the_table_of_models_does_not_depend_on_the_batches():

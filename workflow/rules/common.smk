@@ -17,7 +17,14 @@ WORKFLOW = Path(workflow.basedir) / "workflow"
 SCRIPTS = WORKFLOW / "scripts"
 sys.path.insert(0, str(SCRIPTS))
 
-from corpus.batches import describe_meshes, form_batches, predict_memory, predict_minutes, predict_work
+from corpus.batches import (
+    describe_meshes,
+    form_batches,
+    predict_gathering,
+    predict_memory,
+    predict_minutes,
+    predict_work,
+)
 from corpus.code_digest import compiled_code_folder, digest_code, read_outputs
 from corpus.configuration import ConfigError, check_config, restore_texts
 from corpus.discovery import CorpusError, find_models
@@ -26,6 +33,7 @@ from corpus.model_table import count_models
 from corpus.process import find_full_disks, find_last_words
 from corpus.promises import find_broken_promises
 from corpus.receipts import forget_stage
+from corpus.shared_files import check_file_sharing
 
 os.environ.setdefault("NUMBA_CACHE_DIR", str(compiled_code_folder(SCRIPTS / "reebslice")))
 
@@ -35,6 +43,7 @@ TOLD = 3  # so many faults of a kind are told at the end, and the number of all
 # Configuration ---------------------------------------------------------------
 
 try:
+    check_file_sharing(workflow.storage_settings)
     SCHEMA = yaml.safe_load((WORKFLOW / "schemas" / "config.schema.yaml").read_text())
     config = check_config(restore_texts(config, workflow.config_settings.config_args, SCHEMA), SCHEMA)
 except ConfigError as error:
@@ -88,11 +97,14 @@ def paths_of(wildcards):
 
 
 def inputs_of(wildcards):
-    """Those of them that Snakemake can take as inputs: it reads {x} as a wildcard and <x> as a path variable.
+    """Those of them, and of the files that they name, that Snakemake can take as inputs.
 
-    Of the others stamp_of tells when they change.
+    It reads {x} as a wildcard and <x> as a path variable. Of the others
+    stamp_of tells when they change.
     """
-    return [path for path in paths_of(wildcards) if not set("{}<>") & set(path)]
+    meshes = [MODELS[model] for model in BATCHES[wildcards.batch]]
+    companions = [path for mesh in meshes for path, size, _ in mesh.companions if size is not None]
+    return [path for path in paths_of(wildcards) + companions if not set("{}<>") & set(path)]
 
 
 def models_of(wildcards):
@@ -125,9 +137,19 @@ def priority_at(stage):
     return lambda wildcards: left * predict_work(MODELS, BATCHES[wildcards.batch])
 
 
-def last_status_tables():
-    """Status tables of the last stage; those of the stages before stand behind them."""
-    return [f"results/status/{STAGES[-1]}/{batch}.parquet" for batch in BATCHES]
+def status_tables():
+    """Status tables of all batches, in the order of BATCHES, by stage."""
+    return {stage: [f"results/status/{stage}/{batch}.parquet" for batch in BATCHES] for stage in STAGES}
+
+
+def gathering_memory(wildcards, attempt):
+    """Memory for a table over all models, in MB."""
+    return int(predict_gathering(len(MODELS))[0] * attempt)
+
+
+def gathering_runtime(wildcards, attempt):
+    """Time for a table over all models, in minutes."""
+    return int(predict_gathering(len(MODELS))[1] * attempt)
 
 
 # The beginning and the end of a run ------------------------------------------
@@ -139,13 +161,13 @@ def keep_going():
 
 
 def drop_rate_limit():
-    """Let Snakemake start jobs as cores get free, whatever their number in a second.
+    """Let Snakemake start jobs on this machine as cores get free, whatever their number in a second.
 
     To keep a limit it looks over all ready jobs in every second once for each
     job that has ended so far, which takes a core to itself on a large corpus
     (https://github.com/snakemake/snakemake/pull/3744). Jobs here are few and long.
     """
-    if hasattr(workflow.scheduler, "job_rate_limiter"):
+    if workflow.local_exec and hasattr(workflow.scheduler, "job_rate_limiter"):
         workflow.scheduler.job_rate_limiter = None
 
 

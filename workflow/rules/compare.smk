@@ -36,7 +36,8 @@ rule compare_methods:
     benchmark:
         "results/benchmarks/compare_methods.tsv"
     resources:
-        mem_mb=1000,
+        mem_mb=gathering_memory,
+        runtime=gathering_runtime,
     params:
         code=digest_code(SCRIPTS / "compare_methods.py"),
     script:

@@ -1,10 +1,11 @@
 # Tables over all models.
 
 
-# results/corpus/models.parquet: one row per mesh, accepted or not.
+# results/corpus/models.parquet: one row per mesh, accepted or not. The figures
+# are those of the models' own files, for which the status tables stand.
 rule collect_models:
     input:
-        status=last_status_tables(),
+        **status_tables(),
     output:
         table="results/corpus/models.parquet",
     log:
@@ -12,7 +13,8 @@ rule collect_models:
     benchmark:
         "results/benchmarks/collect_models.tsv"
     resources:
-        mem_mb=1000,
+        mem_mb=gathering_memory,
+        runtime=gathering_runtime,
     params:
         code=CODE["collect_models"],
     script:

@@ -16,5 +16,5 @@ if "snakemake" in globals():
     print_into(snakemake.log[0])
     trim_startup()
     remove_remains(MODELS_TABLE.parent)
-    write_parquet(MODELS_TABLE, make_model_table(snakemake.input))
+    write_parquet(MODELS_TABLE, make_model_table(dict(snakemake.input.items())))
     seal_table(MODELS_TABLE)

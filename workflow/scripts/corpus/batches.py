@@ -83,13 +83,21 @@ def predict_work(models, members):
 
 
 def predict_memory(models, members):
-    """Return the memory in MB for any stage of a batch: what the libraries take, and a share by its largest mesh."""
-    return 600 + 30 * max(models[model].size for model in members) / 2**20
+    """Return the memory in MB for any stage of a batch: what libraries take, and a share by its largest mesh.
+
+    On a cluster two processes of Snakemake belong to the job, which know all models.
+    """
+    return 1000 + len(models) / 500 + 30 * max(models[model].size for model in members) / 2**20
 
 
 def predict_minutes(models, members):
     """Return the minutes that suffice for any stage of a batch on a slow machine, compiling included."""
     return 10 + predict_work(models, members) / 30
+
+
+def predict_gathering(count):
+    """Return the memory in MB and the minutes that suffice to gather a table over `count` models."""
+    return 1000 + count / 50, 10 + count / 2000
 
 
 def describe_meshes(models, members):

@@ -4,7 +4,6 @@ import re
 from collections import Counter
 from contextlib import suppress
 from functools import cache
-from pathlib import Path
 
 import pyarrow as pa
 import pyarrow.compute as pc
@@ -26,13 +25,12 @@ def make_model_table(tables):
 
     Parameters
     ----------
-    tables : list of str
-        Paths of the last stage's status tables, one per batch. Those of the
-        other stages have the same name in folders beside.
+    tables : mapping of str to sequence of str
+        Paths of the status tables by stage, one per batch, the batches in one order.
     """
     parts = []
-    for table in map(Path, tables):  # rows as Python objects are held of one batch at a time
-        parts.append(_make_table(_join_stages([table.parent.parent / stage / table.name for stage in STAGES])))
+    for paths in zip(*(tables[stage] for stage in STAGES), strict=True):  # rows as objects are held of one batch
+        parts.append(_make_table(_join_stages(paths)))
     return _concatenate(parts).sort_by("model")
 
 

@@ -1,0 +1,63 @@
+"""What of two runs over the same meshes differs: every result file, but for seconds and memory.
+
+    python tests/cluster/compare_results.py FOLDER OTHER
+
+Files of models have to be equal byte for byte, but for the seconds and the
+memory in receipts. Status tables and the table of models are compared row by
+row, since runs may have other batches. Logs and benchmarks are no results.
+"""
+
+import json
+import sys
+from pathlib import Path
+
+import pyarrow.parquet as pq
+
+MEASURED = ("seconds", "peak_memory_mb")
+
+
+def compare_results(folder, other):
+    """Return the number of files compared, and the names of those that differ or are on one side only."""
+    sides = [Path(side) / "results" for side in (folder, other)]
+    models, corpus = ([_list_files(side / name) for side in sides] for name in ("models", "corpus"))
+    tables = [_read_status(side / "status") for side in sides]
+    differing = _differing(*models, _content) + _differing(*corpus, _content) + _differing(*tables, lambda rows: rows)
+    return len(models[0]) + len(corpus[0]), differing
+
+
+def _list_files(folder):
+    return {path.relative_to(folder).as_posix(): path for path in folder.rglob("*") if path.is_file()}
+
+
+def _differing(one, other, content):
+    """Return the names that are in one mapping only, or whose content differs."""
+    both = one.keys() & other.keys()
+    return sorted((one.keys() ^ other.keys()) | {name for name in both if content(one[name]) != content(other[name])})
+
+
+def _content(path):
+    """Return what has to be equal of a file."""
+    if path.name == "models.parquet":
+        return [_without_measured(row) for row in pq.read_table(path).to_pylist()]
+    if path.name.startswith(".") and path.suffix == ".json":
+        return _without_measured(json.loads(path.read_text()))
+    return path.read_bytes()
+
+
+def _read_status(folder):
+    """Return the rows of every stage's status tables by model."""
+    stages = {}
+    for table in sorted(folder.glob("*/*.parquet")):
+        rows = stages.setdefault(table.parent.name, {})
+        rows |= {row["model"]: _without_measured(row) for row in pq.ParquetFile(table).read().to_pylist()}
+    return stages
+
+
+def _without_measured(facts):
+    return {name: value for name, value in facts.items() if not name.startswith(MEASURED)}
+
+
+if __name__ == "__main__":
+    count, differing = compare_results(*sys.argv[1:])
+    print(f"{count} files compared, {len(differing)} differ", *differing, sep="\n")
+    sys.exit(bool(differing) or not count)

@@ -1,0 +1,168 @@
+"""What a run needs to go through a cluster; tests/cluster/run_on_slurm.py sends one through."""
+
+import json
+import re
+from pathlib import Path
+
+import pyarrow as pa
+import pyarrow.parquet as pq
+import pytest
+import yaml
+from snakemake.cli import get_argument_parser
+from snakemake.settings.types import SharedFSUsage, StorageSettings
+
+from compare_results import compare_results
+from corpus.batches import predict_gathering
+from corpus.configuration import ConfigError
+from corpus.layout import STAGES, STATUS_SCHEMA
+from corpus.shared_files import check_file_sharing
+from test_workflow import run, write_box
+
+PROFILES = sorted((Path(__file__).parent.parent / "workflow/profiles").iterdir())
+# What Snakemake needs to take a storage for usable; nothing of it is ever called.
+STORAGE = """
+from snakemake_interface_storage_plugins.storage_object import StorageObjectRead, StorageObjectWrite
+from snakemake_interface_storage_plugins.storage_provider import StorageProviderBase
+
+
+class StorageProvider(StorageProviderBase):
+    example_queries = rate_limiter_key = default_max_requests_per_second = use_rate_limiter = is_valid_query = None
+
+
+class StorageObject(StorageObjectRead, StorageObjectWrite):
+    pass
+"""
+
+
+def plan(folder, *targets):
+    """Plan a run; return what Snakemake says of every job, {rule: [text]}."""
+    code, said = run(folder, "-n", *targets)
+    assert code == 0, said
+    jobs = {}
+    for rule, text in re.findall(r"^(?:local)?rule (\w+):\n((?:    .*\n)+)", said, flags=re.MULTILINE):
+        jobs.setdefault(rule, []).append(text)
+    return jobs
+
+
+def put_gltf(path, uri):
+    path.parent.mkdir(parents=True, exist_ok=True)
+    path.write_text(json.dumps({"asset": {"version": "2.0"}, "buffers": [{"uri": uri, "byteLength": 4}]}))
+
+
+# What jobs declare
+
+
+def test_every_job_asks_for_memory_and_time(tmp_path):
+    write_box(tmp_path / "meshes/a.off")
+    jobs = plan(tmp_path, "all", "compare_methods")
+    assert set(jobs) == {*STAGES, "collect_models", "compare_links", "compare_methods", "all"}
+    for rule in set(jobs) - {"all"}:
+        for text in jobs[rule]:
+            asked = dict(re.findall(r"(mem_mb|runtime)=(\d+)", text))
+            assert int(asked["mem_mb"]) >= 500 and int(asked["runtime"]) >= 5, rule
+
+
+def test_what_jobs_open_is_declared(tmp_path):
+    write_box(tmp_path / "meshes/a.off")
+    put_gltf(tmp_path / "meshes/b.gltf", "b%20b.bin")
+    put_gltf(tmp_path / "meshes/c.gltf", "gone.bin")
+    (tmp_path / "meshes/b b.bin").write_bytes(b"0000")
+    jobs = plan(tmp_path)
+    (gathered,) = jobs["collect_models"]
+    inspected = " ".join(jobs["inspect_mesh"])
+    assert all(f"results/status/{stage}/batch-" in gathered for stage in STAGES)
+    assert "meshes/a.off" in inspected and "meshes/b b.bin" in inspected and "gone.bin" not in inspected
+
+
+def test_gathering_more_models_takes_more():
+    assert all(more > less for more, less in zip(predict_gathering(1_000_000), predict_gathering(100)))
+
+
+# Storage
+
+
+def test_what_would_leave_files_behind_is_refused():
+    check_file_sharing(StorageSettings())
+    with pytest.raises(
+        ConfigError, match="--default-storage-provider s3 cannot be used.*on a file system that all jobs"
+    ):
+        check_file_sharing(StorageSettings(default_storage_provider="s3"))
+    with pytest.raises(ConfigError, match="--shared-fs-usage without input-output cannot be used"):
+        check_file_sharing(StorageSettings(shared_fs_usage=frozenset({SharedFSUsage.PERSISTENCE})))
+
+
+def test_a_run_with_a_storage_stops_at_once(tmp_path, monkeypatch):
+    write_box(tmp_path / "meshes/a.off")
+    plugin = tmp_path / "plugins/snakemake_storage_plugin_elsewhere/__init__.py"
+    plugin.parent.mkdir(parents=True)
+    plugin.write_text(STORAGE)
+    monkeypatch.setenv("PYTHONPATH", str(tmp_path / "plugins"))
+    code, said = run(tmp_path, "--default-storage-provider", "elsewhere", "--default-storage-prefix", "there")
+    assert code == 1 and "Traceback" not in said
+    assert "--default-storage-provider elsewhere cannot be used" in said
+    assert not (tmp_path / "results").exists()
+
+
+# Profiles
+
+
+@pytest.mark.parametrize("profile", PROFILES, ids=[profile.name for profile in PROFILES])
+def test_profiles_say_what_snakemake_knows(profile):
+    settings = yaml.safe_load((profile / "config.yaml").read_text())
+    known = {option.lstrip("-") for option in get_argument_parser()._option_string_actions}
+    assert {name for name in settings if not name.startswith("slurm-")} <= known
+    assert settings["keep-going"] and settings["rerun-incomplete"] and settings["retries"] >= 1
+    assert "configfile" not in settings or (profile / settings["configfile"]).is_file()
+    for key in {"groups", "set-resources"} & set(settings):
+        assert set(settings[key]) == {*STAGES, "compare_links"}
+
+
+def test_profiles_are_taken_up_when_asked_for(tmp_path):
+    """Snakemake takes up one called `default` by itself."""
+    assert PROFILES and "default" not in {profile.name for profile in PROFILES}
+    write_box(tmp_path / "meshes/a.off")
+    long = next(profile for profile in PROFILES if profile.name == "long")
+    for arguments in ((), ("--workflow-profile", str(long))):
+        code, said = run(tmp_path, "-n", *arguments)
+        assert code == 0 and (f"Using workflow specific profile {long}" in said) == bool(arguments)
+        assert said.count("workflow specific profile") == bool(arguments)
+
+
+# Comparing runs
+
+
+def lay_out_results(folder, nodes=b"1", seconds=1.0, status="ok", batch="batch-all"):
+    files = {"results/models/a/nodes.parquet": nodes, "results/models/a/.sample_nodes.json": b'{"key": "k"}'}
+    files["results/models/a/.sample_nodes.json"] = json.dumps({"key": "k", "seconds": seconds}).encode()
+    for name, content in files.items():
+        (folder / name).parent.mkdir(parents=True, exist_ok=True)
+        (folder / name).write_bytes(content)
+    row = {"model": "a", "path": "a.stl", "status": status, "reason": "", "seconds": seconds}
+    for name, extra in (
+        (f"status/sample_nodes/{batch}", {"key": "k", "peak_memory_mb": seconds}),
+        ("corpus/models", {"peak_memory_mb_draw": seconds, "seconds_draw": seconds}),
+    ):
+        path = folder / f"results/{name}.parquet"
+        path.parent.mkdir(parents=True, exist_ok=True)
+        schema = STATUS_SCHEMA if name.startswith("status") else None
+        pq.write_table(pa.Table.from_pylist([row | extra], schema=schema), path)
+    return folder
+
+
+@pytest.mark.parametrize(
+    "changed, differing",
+    [
+        ({"seconds": 2.0, "batch": "batch-1"}, []),
+        ({"nodes": b"2"}, ["a/nodes.parquet"]),
+        ({"status": "failed"}, ["models.parquet", "sample_nodes"]),
+    ],
+)
+def test_results_are_compared_but_for_seconds_and_memory(tmp_path, changed, differing):
+    one, other = lay_out_results(tmp_path / "one"), lay_out_results(tmp_path / "other", **changed)
+    assert compare_results(one, other) == (3, differing)
+
+
+def test_a_file_on_one_side_only_is_a_difference(tmp_path):
+    one, other = lay_out_results(tmp_path / "one"), lay_out_results(tmp_path / "other")
+    (other / "results/models/a/edges.parquet").write_bytes(b"")
+    assert compare_results(one, other)[1] == compare_results(other, one)[1] == ["a/edges.parquet"]
