@@ -8,67 +8,48 @@ from types import SimpleNamespace
 
 import numpy as np
 import pyarrow as pa
+import pyarrow.compute as pc
 
-from ...schemas import EVENTS, GRAPHS, MODEL_TABLES, OPERATIONS, PAIRINGS, PIECE_KINDS
+from ...schemas import EVENTS, GRAPHS, MODEL_TABLES, OPERATIONS, PAIRINGS, PIECE_KINDS, SCHEMAS
 from ...table_checks import check_table
 from ..graphml import ReadGraph
 
-KEYS = {name: name[:-1] for name in ("shells", "levels", "contours", "pieces", "handles", "nodes", "edges")} | {
-    "critical_points": "critical", "critical_arcs": "arc", "unfoldings": "unfolding",
+# Columns of these names hold rows of a table, but for the one that is the table's own key.
+ROWS_OF = {
+    column: table
+    for table, columns in {
+        "vertices": "a b c vertex lower_vertex upper_vertex first last critical",
+        "shells": "shell body",
+        "levels": "level",
+        "contours": "below above contours_below contours_above",
+        "pieces": "piece block",
+        "handles": "handle pair",
+        "critical_points": "partner",
+        "nodes": "region regions_below regions_above",
+    }.items()
+    for column in columns.split()
+}
+ENDS = {"critical_arcs": "critical_points", "edges": "nodes", "arcs": "handles"}  # what source and target are rows of
+WORDS = {
+    ("levels", "why"): ("uniform", "refined"), ("pieces", "kind"): PIECE_KINDS, ("handles", "side"): ("A", "B"),
+    ("handles", "operation"): OPERATIONS, ("handles", "change"): (None, *EVENTS), ("handles", "index"): (0, 1, 2),
+    ("edges", "operation"): ("continuation", *OPERATIONS), ("edges", "method"): ("exact", "similarity", "proximity"),
+    ("arcs", "graph"): ("solid", "surface"), ("critical_points", "pairing"): PAIRINGS,
 }  # fmt: skip
-# (table, column, the table that its numbers are rows of)
-REFERENCES = (
-    ("faces", "a", "vertices"), ("faces", "b", "vertices"), ("faces", "c", "vertices"), ("faces", "shell", "shells"),
-    ("shells", "body", "shells"), ("shells", "parent", "shells"),
-    ("contours", "level", "levels"), ("contours", "shell", "shells"), ("contours", "parent", "contours"),
-    ("contours", "region", "nodes"), ("contours", "lower_vertex", "vertices"), ("contours", "upper_vertex", "vertices"),
-    ("unfoldings", "vertex", "vertices"), ("unfoldings", "first", "vertices"), ("unfoldings", "last", "vertices"),
-    ("pieces", "shell", "shells"), ("pieces", "below", "contours"), ("pieces", "above", "contours"),
-    ("pieces", "critical", "vertices"), ("pieces", "block", "pieces"),
-    ("handles", "piece", "pieces"), ("handles", "block", "pieces"), ("handles", "vertex", "vertices"),
-    ("handles", "contours_below", "contours"), ("handles", "contours_above", "contours"),
-    ("handles", "regions_below", "nodes"), ("handles", "regions_above", "nodes"),
-    ("handles", "pair", "handles"), ("critical_points", "vertex", "vertices"),
-    ("critical_points", "partner", "critical_points"), ("critical_points", "handle", "handles"),
-    ("critical_arcs", "source", "critical_points"), ("critical_arcs", "target", "critical_points"),
-    ("nodes", "level", "levels"), ("nodes", "region", "nodes"),
-    ("edges", "source", "nodes"), ("edges", "target", "nodes"), ("edges", "handle", "handles"),
-)  # fmt: skip
-WORDS = (
-    ("levels", "why", ("uniform", "refined")), ("pieces", "kind", PIECE_KINDS), ("handles", "side", ("A", "B")),
-    ("handles", "operation", OPERATIONS), ("handles", "change", (None, *EVENTS)), ("handles", "index", (0, 1, 2)),
-    ("edges", "operation", ("continuation", *OPERATIONS)), ("edges", "method", ("exact", "similarity", "proximity")),
-    ("arcs", "graph", ("solid", "surface")), ("critical_points", "pairing", PAIRINGS),
-)  # fmt: skip
 
 
 def check_form(facts, ledger):
     """Tables as declared, ids that count their rows, references to rows that exist."""
-    apart = {} if facts.read_curves is None else {"contours": ("geometry",)}
-    given = ((name, facts.tables.get(name), apart.get(name, ())) for name in MODEL_TABLES)
-    faults = [fault for table in given for fault in _schema_fault(*table)]
-    if faults:
-        ledger.enter("tables_in_form", len(faults), 0, says=faults[0])
-        return
-    facts.columns = SimpleNamespace(**{name: _columns(facts.tables[name]) for name in MODEL_TABLES})
-    size = {name: facts.tables[name].num_rows for name in MODEL_TABLES}
-    for name, key in KEYS.items():
-        if not np.array_equal(getattr(facts.columns, name)[key], np.arange(size[name])):
-            faults.append(f"Column {key} of table {name} does not count its rows from 0.")
-    for name, column, target in REFERENCES:
-        values = _flat(getattr(facts.columns, name)[column])
-        if len(values) and not (values.min() >= 0 and values.max() < size[target]):
-            faults.append(f"Column {column} of table {name} names a row that table {target} does not have.")
-    for name, column, words in WORDS:
-        odd = set(getattr(facts.columns, name)[column]) - set(words)
-        if odd:
-            faults.append(f"Column {column} of table {name} holds {sorted(map(str, odd))[0]!r}, which is no such word.")
-    for name in MODEL_TABLES:
-        for column, values in getattr(facts.columns, name).items():
-            if isinstance(values, np.ndarray) and values.dtype.kind == "f" and not np.isfinite(values).all():
-                faults.append(f"Column {column} of table {name} holds a number that is not finite.")
-    faults += [f"Table {name} is empty." for name in ("faces", "levels", "pieces") if not size[name]]
-    faults += _document_faults(facts.tilt, facts.graphs)
+    tables, apart = facts.tables, {} if facts.read_curves is None else {"contours": ("geometry",)}
+    faults = [fault for name in MODEL_TABLES for fault in _schema_fault(name, tables.get(name), apart.get(name, ()))]
+    if not faults:
+        columns = {name: {c: _read(tables[name][c]) for c in tables[name].column_names} for name in MODEL_TABLES}
+        facts.columns = SimpleNamespace(**columns)
+        for name, of_table in columns.items():
+            for column, values in of_table.items():
+                faults += _column_faults(name, column, tables[name][column], values, tables)
+        faults += [f"Table {name} is empty." for name in ("faces", "levels", "pieces") if not tables[name].num_rows]
+        faults += _document_faults(facts.tilt, facts.graphs)
     ledger.enter("tables_in_form", len(faults), 0, says=faults[0] if faults else "")
 
 
@@ -83,42 +64,52 @@ def _schema_fault(name, table, apart):
     return []
 
 
+def _read(column):
+    """Numbers and flags as an array, -1 or NaN for null, and words; lists as a list of lists; bytes as they are."""
+    kind = column.type
+    if pa.types.is_binary(kind):
+        return column
+    if pa.types.is_boolean(kind):
+        return _read(column.cast(pa.int8())).astype(bool)
+    if pa.types.is_integer(kind) or pa.types.is_floating(kind):
+        missing = -1 if pa.types.is_integer(kind) else np.nan
+        return np.from_dlpack((column.fill_null(missing) if column.null_count else column).combine_chunks())
+    return column.to_pylist() if pa.types.is_list(kind) else np.array(column.to_pylist(), object)
+
+
+def _column_faults(name, column, data, values, tables):
+    """What is wrong with what a column holds, as sentences; data : as Arrow has it, values : as it is read."""
+    here, target = f"Column {column} of table {name}", _target(name, column)
+    if column == SCHEMAS[name].metadata[b"reebslice:primary_key"].decode():
+        if not np.array_equal(values, np.arange(len(data))):
+            yield f"{here} does not count its rows from 0."
+    elif target:
+        held = pc.list_flatten(data) if pa.types.is_list(data.type) else data.drop_null() if data.null_count else None
+        rows = values if held is None else _read(held)
+        if len(rows) and not 0 <= rows.min() <= rows.max() < tables[target].num_rows:
+            yield f"{here} names a row that table {target} does not have."
+    odd = set(values) - set(WORDS[name, column]) if (name, column) in WORDS else ()
+    if odd:
+        yield f"{here} holds {sorted(map(str, odd))[0]!r}, which is no such word."
+    if pa.types.is_floating(data.type) and np.isfinite(values).sum() < len(values) - data.null_count:
+        yield f"{here} holds a number that is not finite."
+
+
+def _target(name, column):
+    """The table that a column holds rows of, None for none."""
+    if column == "parent":
+        return name
+    return ENDS.get(name) if column in ("source", "target") else ROWS_OF.get(column)
+
+
 def _document_faults(tilt, graphs):
     """What is wrong with the form of the tilt and the graphs, as sentences."""
-    shapes = {"rotation": (3, 3), "direction": (3,)}
-    for name, shape in shapes.items():
+    for name, shape in {"rotation": (3, 3), "direction": (3,)}.items():
         try:
             values = np.asarray(tilt[name], float)
         except (KeyError, TypeError, ValueError):
             return [f"tilt.json has no {name} of numbers."]
         if values.shape != shape or not np.isfinite(values).all():
             return [f"The {name} in tilt.json has shape {values.shape}, not {shape}, or is not finite."]
-    return [
-        f"The graph {name} is missing or no undirected multigraph."
-        for name in GRAPHS
-        if not isinstance(graphs.get(name), ReadGraph)
-    ]
-
-
-def _columns(table):
-    """Columns as arrays; those with lists or nulls as Python lists, those of bytes as they are."""
-    out = {}
-    for field in table.schema:
-        column = table[field.name]
-        if pa.types.is_integer(field.type) or pa.types.is_floating(field.type):
-            out[field.name] = column.to_pylist() if field.nullable else np.from_dlpack(column.combine_chunks())
-        elif pa.types.is_binary(field.type):
-            out[field.name] = column
-        elif pa.types.is_list(field.type) or field.nullable:
-            out[field.name] = column.to_pylist()
-        else:
-            out[field.name] = np.array(column.to_pylist(), bool if pa.types.is_boolean(field.type) else object)
-    return out
-
-
-def _flat(values):
-    """The numbers of a column, those in its lists one after the other, without nulls."""
-    if isinstance(values, np.ndarray):
-        return values
-    flat = [v for value in values if value is not None for v in (value if isinstance(value, list) else [value])]
-    return np.array(flat, np.int64)
+    wrong = (name for name in GRAPHS if not isinstance(graphs.get(name), ReadGraph))
+    return [f"The graph {name} is missing or no undirected multigraph." for name in wrong]

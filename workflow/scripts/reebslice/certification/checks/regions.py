@@ -8,17 +8,15 @@ import numpy as np
 import shapely
 
 from ..recount.components import find_components
-from ..recount.crossings import cross
-from ..recount.graphs import find_blocks
+from ..recount.graphs import find_blocks, list_members
 from ..recount.holes import ContourNesting, find_hosts, find_parents
-from ..recount.rays import meet_faces
 
 
 def check_holes(facts, ledger):
     """Which contours are holes, and whose."""
     t, found = facts.columns.contours, facts.recount
     inner = np.asarray(t["inner"], bool)
-    slack = facts.noise * (found.perimeter + facts.noise)
+    slack = facts.slack
     certain = np.abs(found.area) > slack
     ledger.rows("contours.inner", ~certain | (inner == (found.area < 0)), "a hole is a contour of negative area")
     facts.crossing = _check_chains(facts, ledger, inner, certain)
@@ -31,7 +29,7 @@ def check_holes(facts, ledger):
     facts.open["holes between two regions"] = is_open.sum()
     facts.open_holes = is_open
     parent, unsure = find_parents(nest)
-    stated = np.array([-1 if p is None else p for p in t["parent"]], np.int64)
+    stated = t["parent"]
     for contour in np.flatnonzero(~unsure & (stated != parent)).tolist():  # of two that meet none need be around
         others = [o for o in (stated[contour], parent[contour]) if o >= 0]
         unsure[contour] = bool(others) and nest.meet(contour, others)
@@ -102,68 +100,20 @@ def check_blocks(facts, ledger):
     rename[block] = stated  # blocks by the numbers of the table
     top = int(stated.max()) + 1
     facts.block, facts.block_above, facts.block_below, facts.n_blocks = stated, rename[above], rename[below], top
-    facts.handles_of_block = [[] for _ in range(top)]
-    for handle, b in enumerate(facts.columns.handles["block"].tolist()):
-        if b >= top:
-            raise ValueError(f"handle {handle} names block {b}, of which no piece is part")
-        facts.handles_of_block[b].append(handle)
+    if facts.columns.handles["block"].max(initial=-1) >= top:
+        raise ValueError("a handle names a block of which no piece is part")
+    facts.handles_of_block = list_members(facts.columns.handles["block"], top)
     _check_open_holes(facts, ledger, found)
 
 
 def _host_voids(facts):
-    """For each void within one slab a piece around it, met by a ray along +x; and how many have none."""
+    """For each void within one slab a piece around it, {piece: piece}; and how many have none."""
     closed = np.flatnonzero((facts.kinds == "unseen") & facts.void[facts.piece_shell])
-    hosts = {}
-    if not len(closed):
-        return hosts, 0
-    heights = facts.surface.points[facts.surface.corners, 2]
-    low, high, body = heights.min(axis=1), heights.max(axis=1), facts.body[facts.surface.shell]
-    for piece in closed.tolist():
-        shell = facts.piece_shell[piece]
-        own = facts.surface.points[facts.rank[facts.shell_of_vertex == shell]]
-        start, span = own[np.argmax(own[:, 0])], np.ptp(own, axis=0)
-        # a little off, so that the ray runs along no mesh edge, and toward the middle of the shell
-        start = start + 1e-7 * span * [0.0, 0.414, 0.618 if start[2] < own[:, 2].mean() else -0.618]
-        other = (facts.surface.shell != shell) & (body == facts.body[shell])
-        others = np.flatnonzero(other & (low <= start[2]) & (start[2] <= high))
-        _, face, ahead = meet_faces(facts.surface.points[facts.surface.corners[others]], start[None])
-        if (ahead > 0).any():
-            first = face[np.argmin(np.where(ahead > 0, ahead, np.inf))]
-            hosts[piece] = _piece_of(facts, others[first], facts.slab[piece])
+    walls = sorted(facts.walls, key=lambda void: facts.walls[void][1])
+    around = dict(zip(walls, facts.piece[facts.recount.piece_of_cell].tolist()))
+    of_shell = zip(closed.tolist(), facts.piece_shell[closed].tolist())
+    hosts = {piece: around[shell] for piece, shell in of_shell if shell in around}
     return hosts, len(closed) - len(hosts)
-
-
-def _piece_of(facts, face, slab):
-    """The piece that a face (of the ranked surface) belongs to in a slab that it meets."""
-    corners = facts.surface.origin[facts.surface.corners[face]]
-    split = np.flatnonzero(np.isin(facts.split.origin[facts.split.corners], corners).all(axis=1))
-    for side in np.unique(facts.split_sides.of_face[split]).tolist():
-        for end in (facts.split_sides.lower[side], facts.split_sides.upper[side]):
-            piece = facts.piece[facts.recount.piece_of_vertex[end]]
-            if facts.slab[piece] == slab:
-                return int(piece)
-        # a mesh edge that enters or leaves by a contour of this slab
-        for contour, ends, level in (
-            (facts.recount.enters[side], facts.above, slab),
-            (facts.recount.leaves[side], facts.below, slab + 1),
-        ):
-            if contour >= 0 and facts.columns.contours["level"][contour] == level:
-                return int(ends[contour])
-    return _piece_of_crossed(facts, face, slab)
-
-
-def _piece_of_crossed(facts, face, slab):
-    """As :func:`_piece_of` for a face that passes through the slab: its curve at the level below."""
-    level = facts.columns.contours["level"]
-    low, high = facts.surface.corners[face][[0, 2]]
-    spot = cross(
-        facts.surface,
-        np.array([low]),
-        np.array([high]),
-        *(facts.levels[k][[slab]] for k in ("height", "tie_x", "tie_y")),
-    )
-    here = np.flatnonzero((level == slab) & (facts.recount.shell == facts.surface.shell[face]))
-    return int(facts.above[here[np.argmin(shapely.distance(facts.curves.lines(here), shapely.points(spot)[0]))]])
 
 
 def _check_open_holes(facts, ledger, found):

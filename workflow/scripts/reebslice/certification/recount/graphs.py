@@ -55,6 +55,27 @@ def find_blocks(piece_above, piece_below, region, n_pieces, n_regions, hosts):
     return part[:n_pieces], part[n_pieces : n_pieces + n_regions], part[n_pieces + n_regions :], n
 
 
+def list_members(group, n, values=None):
+    """List the members of each of n groups.
+
+    Parameters
+    ----------
+    group : (k,) int
+        Of each member.
+    n : int
+    values : (k,) int, optional
+        What to list of the members; if not given, their numbers.
+
+    Returns
+    -------
+    list of n lists of int
+    """
+    order = np.argsort(group, kind="stable")
+    members, bounds = (order if values is None else values[order]), np.searchsorted(group[order], np.arange(n + 1))
+    members = members.tolist()
+    return [members[begin:end] for begin, end in itertools.pairwise(bounds.tolist())]
+
+
 def counts(parts):
     """Items below and above every part, two (P,) int."""
     n = len(parts.joints)

@@ -9,6 +9,7 @@ import numpy as np
 import shapely
 
 from ...kernels import njit
+from .curves import look
 
 
 class ContourNesting:
@@ -114,10 +115,17 @@ class ContourNesting:
         Where there are none, it is that of points in exact numbers.
         """
         if (contour, other) not in self.shares:
-            inside, clear = _count_inside(*self.curves, contour, other, 2 * self.noise)
-            share = inside / clear if clear else self.exact.share_around(other, contour)
-            self.shares[contour, other] = share, clear > 0
+            inside, near = look(*self.curves, *self._spots(contour, other))
+            clear = near > 2 * self.noise  # rounding cannot move these to the other side
+            share = inside[clear].mean() if clear.any() else self.exact.share_around(other, contour)
+            self.shares[contour, other] = float(share), bool(clear.any())
         return self.shares[contour, other]
+
+    def _spots(self, contour, other):
+        """The middles of some 64 segments of a contour, each to look at another one from."""
+        points, (begin, end) = self.curves.points, self.curves.first[contour : contour + 2] - [0, 1]
+        some = np.arange(begin, end, max(1, (end - begin) // 64))
+        return np.full(len(some), other), (points[some] + points[some + 1]) / 2
 
 
 def find_hosts(nest, inner, body):
@@ -178,7 +186,7 @@ def find_parents(nest):
 
 @njit
 def _find_near(order, boxes, level, size, slack, room):
-    """Pairs (contour, other) of one level, other not smaller, with boxes that meet or lie in one another.
+    """Pairs (contour, other) of one level, other not smaller, with boxes no further apart than `room`.
 
     order : the contours by level and then by the lower x of their boxes
     """
@@ -188,47 +196,13 @@ def _find_near(order, boxes, level, size, slack, room):
             i, j = order[place], order[following]
             if level[j] != level[i] or boxes[j, 0] > boxes[i, 2] + room:
                 break
+            if boxes[j, 1] > boxes[i, 3] + room or boxes[i, 1] > boxes[j, 3] + room:
+                continue
             for a, b in ((i, j), (j, i)):
-                around = boxes[b, 0] <= boxes[a, 0] + room and boxes[b, 1] <= boxes[a, 1] + room
-                around = around and boxes[b, 2] >= boxes[a, 2] - room and boxes[b, 3] >= boxes[a, 3] - room
-                meet = boxes[b, 0] <= boxes[a, 2] and boxes[b, 1] <= boxes[a, 3]
-                meet = meet and boxes[b, 2] >= boxes[a, 0] and boxes[b, 3] >= boxes[a, 1]
-                if (around or meet) and size[b] >= size[a] - slack[b] - slack[a]:
+                if size[b] >= size[a] - slack[b] - slack[a]:
                     one.append(a)
                     two.append(b)
     return np.array(one), np.array(two)
-
-
-@njit
-def _count_inside(points, first, contour, other, room):
-    """Of the middles of some 64 segments of one closed curve further than `room` from another, how many are inside.
-
-    points : (N, 2) corners of all curves; first : (C + 1,) where each begins.
-    Returns (how many are inside, how many are that far). Rounding cannot move
-    any of those to the other side.
-    """
-    inside, clear = 0, 0
-    for k in range(first[contour], first[contour + 1] - 1, max(1, (first[contour + 1] - first[contour] - 1) // 64)):
-        x, y = (points[k, 0] + points[k + 1, 0]) / 2, (points[k, 1] + points[k + 1, 1]) / 2
-        near, within = False, False
-        for i in range(first[other], first[other + 1] - 1):
-            py, qy = points[i, 1] - y, points[i + 1, 1] - y
-            if min(py, qy) > room or max(py, qy) < -room:
-                continue  # neither near nor across the ray along +x
-            px, qx = points[i, 0] - x, points[i + 1, 0] - x
-            if max(px, qx) < -room:
-                continue
-            dx, dy = qx - px, qy - py
-            length = dx * dx + dy * dy
-            share = min(max(-(px * dx + py * dy) / length, 0.0), 1.0) if length > 0 else 0.0
-            if np.hypot(px + share * dx, py + share * dy) <= room:
-                near = True
-                break
-            if (py > 0) != (qy > 0) and px - py * dx / dy > 0:
-                within = not within
-        inside += within and not near
-        clear += not near
-    return inside, clear
 
 
 def _polygon(curve):

@@ -9,6 +9,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ...kernels import njit
+from .components import find_components
 
 
 class Ranked(NamedTuple):
@@ -164,10 +165,11 @@ def _sort_corners(rank, one, two, three, shell):
     return corners, even, shells, changes, index, weight
 
 
-def oriented_faces(surface):
-    """The faces (m, 3), counter-clockwise seen from outside."""
-    a, b, c = surface.corners.T
-    return np.stack([a, np.where(surface.even, b, c), np.where(surface.even, c, b)], axis=1)
+def oriented_faces(surface, faces=slice(None)):
+    """The corners of some faces, counter-clockwise seen from outside, (k, 3)."""
+    a, b, c = surface.corners[faces].T
+    even = surface.even[faces]
+    return np.stack([a, np.where(even, b, c), np.where(even, c, b)], axis=1)
 
 
 def copies(surface):
@@ -241,34 +243,20 @@ def _sort_halves(corners, n):
     return first, halves
 
 
-@njit
-def count_links(corners, of_face, faces, n):
-    """Count the link cycles of each of n vertices: rounds from face to face across its mesh edges.
+def count_links(surface, sides):
+    """Count the link cycles of each vertex: of ends of mesh edges, each joined to the next by a corner of a face.
 
     Parameters
     ----------
-    corners : (m, 3) int32
-    of_face, faces
-        Of :class:`MeshEdges`.
-    n : int
+    surface, sides : Ranked, MeshEdges
 
     Returns
     -------
-    (n,) int32
+    (n,) int
     """
-    seen, links = np.zeros(corners.shape, np.bool_), np.zeros(n, np.int32)
-    for start in range(len(corners)):
-        for corner in range(3):
-            if seen[start, corner]:
-                continue
-            vertex, face, place = corners[start, corner], start, corner
-            links[vertex] += 1
-            side = of_face[face, max(place - 1, 0)]
-            while not seen[face, place]:
-                seen[face, place] = True
-                # its two sides at the vertex are ab and ac, ab and bc, or bc and ac
-                one, two = of_face[face, max(place - 1, 0)], of_face[face, 1 if place == 1 else 2]
-                side = two if side == one else one
-                face = faces[side, 0] + faces[side, 1] - face
-                place = 0 if corners[face, 0] == vertex else 1 if corners[face, 1] == vertex else 2
-    return links
+    count, (ab, bc, ac) = len(sides.lower), sides.of_face.T
+    one, other = (np.concatenate(ends) for ends in ((ab, ab + count, bc + count), (ac, bc, ac + count)))
+    n_links, link = find_components(one, other, 2 * count)
+    vertex = np.empty(n_links, np.int64)
+    vertex[link] = np.concatenate([sides.lower, sides.upper])
+    return np.bincount(vertex, minlength=len(surface.points))
