@@ -198,9 +198,10 @@ def test_curves_are_measured_as_shapely_measures_them():
     assert (boxes == shapely.bounds(lines)).all()
     spots = np.random.default_rng(0).uniform(-2, 2, (21, 2))
     far = shapely.distance(lines, shapely.points(spots))
-    inside, near = look(*curves, np.arange(21), spots)
-    assert near == pytest.approx(far, rel=1e-12)
-    assert inside.tolist() == shapely.contains_xy([shapely.Polygon(line.coords) for line in lines], spots).tolist()
+    for reach in (0.0, np.median(far), np.inf):
+        inside, near = look(*curves, np.arange(21), spots, reach)
+        assert near == pytest.approx(np.minimum(far, reach), rel=1e-12)
+        assert inside.tolist() == shapely.contains_xy([shapely.Polygon(line.coords) for line in lines], spots).tolist()
 
 
 def squares(*boxes, inward=()):

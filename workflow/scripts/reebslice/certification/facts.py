@@ -69,7 +69,7 @@ class Facts:
     split: Ranked = UNKNOWN  # the surface with those saddles split between whose copies a level runs
     split_sides: MeshEdges = UNKNOWN  # its mesh edges
     walls: dict = UNKNOWN  # {void between two levels: (face of `split` around it, slab)}
-    recount: Recount = UNKNOWN  # contours and pieces of the split surface
+    recount: Recount = UNKNOWN  # contours and pieces of the split surface; from check_pieces on these by rows
     exact: ExactLevels = UNKNOWN  # its level sets in rational numbers
 
     # check_curves
@@ -80,18 +80,10 @@ class Facts:
     boxes: np.ndarray = UNKNOWN  # (C, 4) lower x and y, upper x and y
 
     # check_pieces
-    piece: np.ndarray = UNKNOWN  # the row of each recounted piece
-    below: np.ndarray = UNKNOWN  # (C,) the piece below each contour
-    above: np.ndarray = UNKNOWN  # (C,) the piece above each contour
-    slab: np.ndarray = UNKNOWN  # (P,) the level below, -1 for none
     kinds: np.ndarray = UNKNOWN  # (P,) words, as in `schemas.PIECE_KINDS`
     elementary: np.ndarray = UNKNOWN  # (P,) bool, neither compound nor unseen
-    piece_shell: np.ndarray = UNKNOWN  # (P,)
-    piece_euler: np.ndarray = UNKNOWN  # (P,)
     piece_genus: np.ndarray = UNKNOWN  # (P,)
     piece_ends: tuple = UNKNOWN  # two (P,), the numbers of contours below and above
-    piece_area: np.ndarray = UNKNOWN  # (P,)
-    piece_flux: np.ndarray = UNKNOWN  # (P,) its part of the volume, as `recount.cells` defines it
     hidden: int = UNKNOWN  # the sum of the genera of pieces
     cancelled: np.ndarray = UNKNOWN  # height differences of the pairs that cancel within a piece
 

@@ -121,7 +121,7 @@ def check_identities(facts, ledger):
     t, n = facts.columns.handles, facts.n_shells
     sign, (b0, b1, b2) = np.where(t["index"] == 1, -1, 1), facts.betti
     by_shell = np.bincount(facts.shell_of_vertex[t["vertex"]], sign, n)
-    euler, hidden = (np.bincount(facts.piece_shell, v, n) for v in (facts.piece_euler, facts.piece_genus))
+    euler, hidden = (np.bincount(facts.recount.piece_shell, v, n) for v in (facts.recount.euler, facts.piece_genus))
     sides = [2 * int(sign[t["side"] == side].sum()) for side in "AB"]
     facts.suppressed = facts.genus - facts.loops_surface - facts.hidden
     ledger.enter("euler_characteristic = #0 - #1 + #2", int(sign.sum()), facts.euler)
@@ -148,7 +148,7 @@ def _check_region_counts(facts, ledger, t):
     ends = [facts.change[piece].split("->") for piece in mixed.tolist()]
     gains = [EVENTS[change][4] if change else 0 for change in t["change"]]
     gains += [above.count("o") - below.count("o") for below, above in ends]
-    gain = np.bincount(np.concatenate([t["slab"], facts.slab[mixed]]) + 1, gains, n + 1).astype(int)
+    gain = np.bincount(np.concatenate([t["slab"], facts.recount.slab[mixed]]) + 1, gains, n + 1).astype(int)
     same = facts.columns.levels["n_regions"] == np.cumsum(gain)[:n]
     ledger.rows("regions at each level = sum of R below", same, "events below the level")
     ledger.enter("sum of R over all events", int(gain.sum()), 0)

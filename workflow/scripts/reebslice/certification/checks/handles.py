@@ -32,7 +32,7 @@ def check_handles(facts, ledger):
     ledger.compare(
         "handles", t,
         ("height", facts.surface.points[place, 2], "height of the vertex"),
-        ("slab", facts.slab[piece], "slab of the piece"),
+        ("slab", facts.recount.slab[piece], "slab of the piece"),
         ("block", facts.block[piece], "block of the piece"),
         ("index", facts.surface.index[place], "sign changes around the vertex"),
         ("contours_below", [pieces["below"][p] for p in piece.tolist()], "contours below its piece"),

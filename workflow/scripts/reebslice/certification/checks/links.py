@@ -117,7 +117,7 @@ def _solid_parts(facts):
     """The blocks as parts, each with the handles that are nodes of the solid's graph."""
     chains = zip(facts.handles_of_block, facts.chains)
     joints = [handles if chain else find_largest(facts, handles) for handles, chain in chains]
-    measure = np.bincount(facts.block, facts.piece_flux, facts.n_blocks)
+    measure = np.bincount(facts.block, facts.recount.flux, facts.n_blocks)
     return GraphParts(facts.block_above, facts.block_below, joints, measure)
 
 
@@ -125,7 +125,7 @@ def _surface_parts(facts):
     """The pieces as parts, each with the handle that is a node of the surface's graph."""
     handles = list_members(facts.columns.handles["piece"], len(facts.kinds))
     joints = [find_largest(facts, members) for members in handles]
-    return GraphParts(facts.above, facts.below, joints, facts.piece_area)
+    return GraphParts(facts.recount.above, facts.recount.below, joints, facts.recount.piece_area)
 
 
 def find_largest(facts, handles):

@@ -64,11 +64,11 @@ def _check_chains(facts, ledger, inner, certain):
 
 def _cylinder_chains(facts, n_contours):
     """The chain of each contour, (C,): contours that cylinders, one on top of the other, hold together."""
-    cylinder = (facts.kinds == "cylinder")[facts.above], (facts.kinds == "cylinder")[facts.below]
+    cylinder = (facts.kinds == "cylinder")[facts.recount.above], (facts.kinds == "cylinder")[facts.recount.below]
     low = np.full(len(facts.kinds), -1)
-    low[facts.above[cylinder[0]]] = np.flatnonzero(cylinder[0])
+    low[facts.recount.above[cylinder[0]]] = np.flatnonzero(cylinder[0])
     high = np.flatnonzero(cylinder[1])
-    return find_components(low[facts.below[high]], high, n_contours)[1]
+    return find_components(low[facts.recount.below[high]], high, n_contours)[1]
 
 
 def _check_regions(facts, ledger, inner, host):
@@ -89,7 +89,7 @@ def check_blocks(facts, ledger):
     hosts, lost = _host_voids(facts)
     ledger.enter("voids_within_a_slab_without_a_host", lost, 0)
     n_regions = len(facts.columns.nodes["node"])
-    args = facts.above, facts.below, contours["region"].astype(np.int64), len(t["piece"]), n_regions
+    args = facts.recount.above, facts.recount.below, contours["region"].astype(np.int64), len(t["piece"]), n_regions
     block, above, below, n = find_blocks(*args, hosts)
     stated = t["block"].astype(np.int64)
     pairs = np.unique(np.stack([block, stated]), axis=1).shape[1]
@@ -108,10 +108,10 @@ def check_blocks(facts, ledger):
 
 def _host_voids(facts):
     """For each void within one slab a piece around it, {piece: piece}; and how many have none."""
-    closed = np.flatnonzero((facts.kinds == "unseen") & facts.void[facts.piece_shell])
+    closed = np.flatnonzero((facts.kinds == "unseen") & facts.void[facts.recount.piece_shell])
     walls = sorted(facts.walls, key=lambda void: facts.walls[void][1])
-    around = dict(zip(walls, facts.piece[facts.recount.piece_of_cell].tolist()))
-    of_shell = zip(closed.tolist(), facts.piece_shell[closed].tolist())
+    around = dict(zip(walls, facts.recount.piece_of_cell.tolist()))
+    of_shell = zip(closed.tolist(), facts.recount.piece_shell[closed].tolist())
     hosts = {piece: around[shell] for piece, shell in of_shell if shell in around}
     return hosts, len(closed) - len(hosts)
 

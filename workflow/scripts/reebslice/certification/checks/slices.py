@@ -109,7 +109,7 @@ def check_curves(facts, ledger):
     )  # fmt: skip
     low, high = facts.rank[t["lower_vertex"]], facts.rank[t["upper_vertex"]]
     spots = cross(facts.surface, low, high, facts.levels["planes"][t["level"]])
-    _, near = look(*facts.curves, np.arange(len(spots)), spots)
+    _, near = look(*facts.curves, np.arange(len(spots)), spots, 2 * facts.noise)
     ledger.rows("contours.position", (low == high) | (near <= facts.noise), "the curve passes its anchor")
     if facts.distance is not None:
         z = facts.surface.points[[0, -1], 2]
@@ -129,11 +129,18 @@ def check_pieces(facts, ledger):
     ends = list_members(found.above, n), list_members(found.below, n)
     same = [[below, above] == [end[k] for end in ends] for below, above, k in zip(t["below"], t["above"], row)]
     ledger.rows("pieces.contours", same, "contours below and above")
-    facts.piece = np.argsort(row)
-    facts.below, facts.above = facts.piece[found.below], facts.piece[found.above]
-    _measure_pieces(facts, row)
-    _check_measures(facts, ledger, t)
-    _check_essential(facts, ledger, t)
+    to_row = np.argsort(row)
+    facts.recount = found = found._replace(
+        **{column: getattr(found, column)[row] for column in ("slab", "piece_shell", "euler", "piece_area", "flux")},
+        **{column: to_row[getattr(found, column)] for column in ("above", "below", "piece_of_vertex", "piece_of_cell")},
+    )
+    ends = facts.piece_ends = tuple(np.bincount(of, minlength=n) for of in (found.above, found.below))
+    facts.piece_genus = (2 - sum(ends) - found.euler) // 2
+    facts.kinds = np.array([_kind(*shape) for shape in zip(*(v.tolist() for v in (*ends, facts.piece_genus)))], object)
+    facts.elementary = (facts.kinds != "compound") & (facts.kinds != "unseen")
+    facts.hidden = int(facts.piece_genus.sum())
+    _check_measures(facts, ledger, t, found)
+    _check_essential(facts, ledger, t, found)
 
 
 def _match_pieces(t, found):
@@ -149,18 +156,6 @@ def _match_pieces(t, found):
     )
 
 
-def _measure_pieces(facts, row):
-    """What is counted of each piece, in the order of the table; row : (P,) the recounted piece of each of its rows."""
-    found = facts.recount
-    ends = facts.piece_ends = tuple(np.bincount(c, minlength=len(row))[row] for c in (found.above, found.below))
-    facts.slab, facts.piece_shell, facts.piece_euler = found.slab[row], found.piece_shell[row], found.euler[row]
-    facts.piece_area, facts.piece_flux = found.piece_area[row], found.flux[row]
-    facts.piece_genus = (2 - sum(ends) - facts.piece_euler) // 2
-    facts.kinds = np.array([_kind(*shape) for shape in zip(*(v.tolist() for v in (*ends, facts.piece_genus)))], object)
-    facts.elementary = (facts.kinds != "compound") & (facts.kinds != "unseen")
-    facts.hidden = int(facts.piece_genus.sum())
-
-
 def _kind(n_below, n_above, genus):
     """The kind of a piece by its contours below and above and its genus."""
     if n_below + n_above == 0:
@@ -168,33 +163,31 @@ def _kind(n_below, n_above, genus):
     return ELEMENTARY.get((n_below, n_above), "compound") if genus == 0 else "compound"
 
 
-def _check_measures(facts, ledger, t):
+def _check_measures(facts, ledger, t, found):
     """Columns of the pieces that are counted or measured."""
+    n_below, n_above = facts.piece_ends
     counted = {
-        "slab": facts.slab, "shell": facts.piece_shell, "n_below": facts.piece_ends[0], "n_above": facts.piece_ends[1],
-        "euler_characteristic": facts.piece_euler, "genus": facts.piece_genus, "kind": facts.kinds,
+        "slab": found.slab, "shell": found.piece_shell, "n_below": n_below, "n_above": n_above,
+        "euler_characteristic": found.euler, "genus": facts.piece_genus, "kind": facts.kinds,
     }  # fmt: skip
-    ledger.compare("pieces", t, *((name, values, f"{name} counted on the mesh") for name, values in counted.items()))
-    odd = ((sum(facts.piece_ends) + facts.piece_euler) % 2).sum() + (facts.piece_genus < 0).sum()
-    ledger.enter("genus_of_pieces_is_whole", int(odd), 0)
-    rooms = (
-        noise + 1e-7 * np.abs(values)
-        for noise, values in ((facts.area_noise, facts.piece_area), (facts.volume_noise, facts.piece_flux))
-    )
+    rooms = facts.area_noise + 1e-7 * found.piece_area, facts.volume_noise + 1e-7 * np.abs(found.flux)
     ledger.compare(
         "pieces", t,
-        ("area", facts.piece_area, "area of its cells", next(rooms)),
-        ("flux", facts.piece_flux, "flux of its cells", next(rooms)),
+        *((name, values, f"{name} counted on the mesh") for name, values in counted.items()),
+        ("area", found.piece_area, "area of its cells", rooms[0]),
+        ("flux", found.flux, "flux of its cells", rooms[1]),
     )  # fmt: skip
+    odd = ((n_below + n_above + found.euler) % 2).sum() + (facts.piece_genus < 0).sum()
+    ledger.enter("genus_of_pieces_is_whole", int(odd), 0)
 
 
-def _check_essential(facts, ledger, t):
+def _check_essential(facts, ledger, t, found):
     """The essential critical points of each piece, by the elder rule once more."""
-    split, found = facts.split, facts.recount
+    split = facts.split
     count, pairs = essential_points(split, facts.split_sides, found)
     facts.cancelled = np.abs(np.diff(split.points[pairs, 2]))  # what the graph does not show, in mesh units
     vertices = np.repeat(np.arange(len(count)), count)
-    members = list_members(facts.piece[found.piece_of_vertex[vertices]], len(facts.slab), split.origin[vertices])
+    members = list_members(found.piece_of_vertex[vertices], len(found.slab), split.origin[vertices])
     ledger.compare("pieces", t, ("critical", members, "vertices that the elder rule leaves"))
     ledger.enter("sum_of_vertex_indices", int((1 - facts.surface.changes // 2).sum()), facts.euler)
     ranks, stated = (np.array([v for row in t[name] for v in row], np.int64) for name in ("critical_ranks", "critical"))

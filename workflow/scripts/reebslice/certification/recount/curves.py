@@ -154,7 +154,7 @@ def measure_curves(points, first):
 
 
 @njit
-def look(points, first, curve, spots):
+def look(points, first, curve, spots, reach):
     """Look at a closed curve from each of some spots.
 
     Parameters
@@ -164,6 +164,8 @@ def look(points, first, curve, spots):
     curve : (q,) int
         The curve that each spot looks at.
     spots : (q, 2) float64
+    reach : float
+        How far to look: what is further away is told to be this far.
 
     Returns
     -------
@@ -171,15 +173,18 @@ def look(points, first, curve, spots):
     near : (q,) float64
         The distance to the curve.
     """
-    inside, nearest = np.zeros(len(spots), np.bool_), np.full(len(spots), np.inf)
+    inside, nearest = np.zeros(len(spots), np.bool_), np.full(len(spots), reach)
     for i in range(len(spots)):
-        x, y, near = spots[i, 0], spots[i, 1], np.inf
+        x, y, near = spots[i, 0], spots[i, 1], reach
         for k in range(first[curve[i]], first[curve[i] + 1] - 1):
-            px, py, qx, qy = points[k, 0] - x, points[k, 1] - y, points[k + 1, 0] - x, points[k + 1, 1] - y
+            py, qy = points[k, 1] - y, points[k + 1, 1] - y
+            if min(py, qy) > near or max(py, qy) < -near:
+                continue  # neither near nor across the ray along +x
+            px, qx = points[k, 0] - x, points[k + 1, 0] - x
             dx, dy = qx - px, qy - py
             if (py > 0) != (qy > 0) and px - py * dx / dy > 0:
                 inside[i] = not inside[i]
-            if min(px, qx) < near and max(px, qx) > -near and min(py, qy) < near and max(py, qy) > -near:
+            if min(px, qx) < near and max(px, qx) > -near:
                 length = dx * dx + dy * dy
                 share = min(max(-(px * dx + py * dy) / length, 0.0), 1.0) if length > 0 else 0.0
                 near = min(near, np.hypot(px + share * dx, py + share * dy))

@@ -115,17 +115,10 @@ class ContourNesting:
         Where there are none, it is that of points in exact numbers.
         """
         if (contour, other) not in self.shares:
-            inside, near = look(*self.curves, *self._spots(contour, other))
-            clear = near > 2 * self.noise  # rounding cannot move these to the other side
-            share = inside[clear].mean() if clear.any() else self.exact.share_around(other, contour)
-            self.shares[contour, other] = float(share), bool(clear.any())
+            inside, clear = _count_inside(*self.curves, contour, other, 2 * self.noise)
+            share = inside / clear if clear else self.exact.share_around(other, contour)
+            self.shares[contour, other] = share, clear > 0
         return self.shares[contour, other]
-
-    def _spots(self, contour, other):
-        """The middles of some 64 segments of a contour, each to look at another one from."""
-        points, (begin, end) = self.curves.points, self.curves.first[contour : contour + 2] - [0, 1]
-        some = np.arange(begin, end, max(1, (end - begin) // 64))
-        return np.full(len(some), other), (points[some] + points[some + 1]) / 2
 
 
 def find_hosts(nest, inner, body):
@@ -203,6 +196,18 @@ def _find_near(order, boxes, level, size, slack, room):
                     one.append(a)
                     two.append(b)
     return np.array(one), np.array(two)
+
+
+@njit
+def _count_inside(points, first, contour, other, room):
+    """Of the middles of some 64 segments of a closed curve further than `room` from another: (inside it, all).
+
+    Rounding cannot move any of those to the other side.
+    """
+    begin, end = first[contour], first[contour + 1] - 1
+    some = np.arange(begin, end, max(1, (end - begin) // 64))
+    inside, near = look(points, first, np.full(len(some), other), (points[some] + points[some + 1]) / 2, room)
+    return (inside & (near == room)).sum(), (near == room).sum()
 
 
 def _polygon(curve):

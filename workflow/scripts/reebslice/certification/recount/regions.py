@@ -142,7 +142,7 @@ def look_around(regions, spots):
     """
     bounds, begin = regions.turn != 0, regions.begin[:-1]
     region = np.repeat(np.arange(len(spots)), np.diff(regions.begin))
-    within, far = look(*regions.curves, regions.contour, spots[region])
+    within, far = look(*regions.curves, regions.contour, spots[region], np.inf)
     inside = np.bincount(region, within & bounds, len(spots)) % 2 == 1
     near, edge = (np.minimum.reduceat(distance, begin) for distance in (far, np.where(bounds, far, np.inf)))
     broken = np.flatnonzero(regions.broken)
