@@ -11,7 +11,7 @@ from reebslice.certification.recount.components import find_components
 from reebslice.certification.recount.curves import look, measure_curves, read_curves
 from reebslice.certification.recount.elders import elder_pairs, essential_points
 from reebslice.certification.recount.holes import ContourNesting
-from reebslice.certification.recount.measures import find_least_rise, label_vertices, measure_shells
+from reebslice.certification.recount.measures import find_least_rise, measure_shells
 from reebslice.certification.recount.regions import build_polygons, find_regions, look_around, share
 from reebslice.certification.recount.surface import count_links, find_mesh_edges, rank_surface
 from solids import blob, hollow_ball, plate, torus
@@ -48,8 +48,10 @@ def test_mesh_edges_lie_between_two_faces(solid):
     for face, (a, b, c) in enumerate(surface.corners.tolist()):
         for place, pair in enumerate(((a, b), (b, c), (a, c))):
             owners.setdefault(pair, []).append((face, place))
-    assert list(zip(sides.lower.tolist(), sides.upper.tolist())) == sorted(owners)
-    for side, pair in enumerate(sorted(owners)):
+    pairs = list(zip(sides.lower.tolist(), sides.upper.tolist()))
+    assert sorted(pairs) == sorted(owners) and sides.lower.tolist() == sorted(sides.lower.tolist())
+    assert sides.upper[sides.by_upper].tolist() == sorted(sides.upper.tolist())
+    for side, pair in enumerate(pairs):
         assert sides.faces[side].tolist() == [face for face, _ in owners[pair]]
         assert all(sides.of_face[place] == side for place in owners[pair])
     assert (count_links(surface, sides) == 1).all()
@@ -126,14 +128,6 @@ def test_vertices_are_ranked_and_told_by_their_neighbours(solid):
         wedges = nx.number_connected_components(link.subgraph(above))
         index = 0 if not below else 2 if not above else -1 if wedges == 1 else 1
         assert (surface.index[v], surface.weight[v + 1] - surface.weight[v]) == (index, max(wedges - 1, 1))
-
-
-def test_vertices_are_of_the_shells_of_their_faces():
-    surface = ranked(hollow_ball())
-    n, part = find_components(surface.corners[:, [0, 0]].ravel(), surface.corners[:, 1:].ravel(), len(surface.points))
-    label, agree = label_vertices(surface.corners, part[surface.corners[:, 1]], len(part))
-    assert n == 2 and agree and (label == part).all()
-    assert not label_vertices(surface.corners, np.arange(len(surface.corners), dtype=np.int32), len(part))[1]
 
 
 def test_shells_are_measured_one_by_one():

@@ -7,7 +7,7 @@ what it recomputes it leaves in the facts for later checks.
 import numpy as np
 import shapely
 
-from ..recount.graphs import GraphParts, list_members
+from ..recount.graphs import GraphParts, list_items, list_members
 from ..recount.regions import build_polygons, find_regions, look_around, share
 
 
@@ -71,8 +71,7 @@ def check_edges(facts, ledger):
     """The links are those of the blocks, and carry the similarities of their regions."""
     t, level = facts.columns.edges, facts.columns.nodes["level"]
     facts.parts = {"solid": _solid_parts(facts), "surface": _surface_parts(facts)}
-    below, above = (list_members(block, facts.n_blocks) for block in (facts.block_above, facts.block_below))
-    rows = zip(below, above, facts.parts["solid"].joints)
+    rows = zip(*list_items(facts.parts["solid"]), facts.parts["solid"].joints)
     links = {(a, b): joints[0] if joints else -1 for low, high, joints in rows for a in low for b in high}
     stated = list(zip(t["source"].tolist(), t["target"].tolist()))
     linked = np.array([pair in links for pair in stated], bool)

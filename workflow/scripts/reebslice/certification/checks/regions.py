@@ -7,38 +7,31 @@ what it recomputes it leaves in the facts for later checks.
 import numpy as np
 import shapely
 
-from ..recount.components import find_components
-from ..recount.graphs import find_blocks, list_members
+from ..recount.graphs import find_blocks, find_chains, list_members
 from ..recount.holes import ContourNesting, find_hosts, find_parents
 
 
 def check_holes(facts, ledger):
     """Which contours are holes, and whose."""
     t, found = facts.columns.contours, facts.recount
-    inner = np.asarray(t["inner"], bool)
-    slack = facts.slack
-    certain = np.abs(found.area) > slack
+    inner, stated, body = t["inner"], t["parent"], facts.body[found.shell]
+    certain = np.abs(found.area) > facts.slack
     ledger.rows("contours.inner", ~certain | (inner == (found.area < 0)), "a hole is a contour of negative area")
     facts.crossing = _check_chains(facts, ledger, inner, certain)
-    body = facts.body[found.shell]
-    nest = ContourNesting(
-        facts.curves, facts.boxes, found.area, slack, t["level"].astype(np.int64), facts.noise, facts.exact
-    )
-    host, is_open = find_hosts(nest, inner, body)
+    level = t["level"].astype(np.int64)
+    nest = ContourNesting(facts.curves, facts.boxes, found.area, facts.slack, level, facts.noise, facts.exact)
+    host, facts.open_holes = find_hosts(nest, inner, body)
     _check_regions(facts, ledger, inner, host)
-    facts.open["holes between two regions"] = is_open.sum()
-    facts.open_holes = is_open
     parent, unsure = find_parents(nest)
-    stated = t["parent"]
     for contour in np.flatnonzero(~unsure & (stated != parent)).tolist():  # of two that meet none need be around
-        others = [o for o in (stated[contour], parent[contour]) if o >= 0]
+        others = [other for other in (stated[contour], parent[contour]) if other >= 0]
         unsure[contour] = bool(others) and nest.meet(contour, others)
     ledger.rows("contours.parent", unsure | (stated == parent), "the smallest contour around it")
+    facts.open["holes between two regions"] = facts.open_holes.sum()
     facts.open["contours of unsure parent"] = (unsure & (stated != parent)).sum()
     lonely = inner & (parent < 0) & ~unsure
-    around = np.where(stated >= 0, stated, np.arange(len(stated)))
-    nested = ~inner & ~inner[around] & (around != np.arange(len(stated))) & (body == body[around])
-    facts.crossing |= bool((nested | lonely | is_open).any()) or nest.crosses_itself(body)
+    nested = ~inner & (stated >= 0) & ~inner[stated] & (body == body[stated])
+    facts.crossing |= bool((nested | lonely | facts.open_holes).any()) or nest.crosses_itself(body)
 
 
 def _check_chains(facts, ledger, inner, certain):
@@ -47,14 +40,14 @@ def _check_chains(facts, ledger, inner, certain):
     Where no contour of a chain has an area beyond rounding, that of its
     shortest one is found in exact numbers.
     """
-    area, n_points = facts.recount.area, facts.recount.n_points
-    chain = _cylinder_chains(facts, len(inner))
-    first = np.zeros(chain.max(initial=-1) + 1, bool)
+    found = facts.recount
+    n, chain = find_chains(found.above, found.below, facts.kinds == "cylinder")
+    first, holes = np.zeros(n, bool), certain & (found.area < 0)
     first[chain] = inner
     ledger.rows("contours.inner_along_cylinders", inner == first[chain], "the same along a chain of cylinders")
-    order = np.lexsort((-n_points, chain))
+    negative, positive = (np.bincount(chain[sure], minlength=n) > 0 for sure in (holes, certain & ~holes))
+    order = np.lexsort((-found.n_points, chain))
     shortest = order[np.flatnonzero(np.diff(chain[order], append=-1))]
-    positive, negative = (np.bincount(chain[certain & (sign * area > 0)], minlength=len(first)) > 0 for sign in (1, -1))
     small = shortest[~(positive | negative)[chain[shortest]]].tolist()
     areas = [facts.exact.area(contour) for contour in small]
     signs = [area != 0 and (area < 0) == inner[contour] for area, contour in zip(areas, small)]
@@ -62,36 +55,25 @@ def _check_chains(facts, ledger, inner, certain):
     return bool((positive & negative).any())
 
 
-def _cylinder_chains(facts, n_contours):
-    """The chain of each contour, (C,): contours that cylinders, one on top of the other, hold together."""
-    cylinder = (facts.kinds == "cylinder")[facts.recount.above], (facts.kinds == "cylinder")[facts.recount.below]
-    low = np.full(len(facts.kinds), -1)
-    low[facts.recount.above[cylinder[0]]] = np.flatnonzero(cylinder[0])
-    high = np.flatnonzero(cylinder[1])
-    return find_components(low[facts.recount.below[high]], high, n_contours)[1]
-
-
 def _check_regions(facts, ledger, inner, host):
     """Regions have one outer contour each, and the holes that it is the smallest around."""
     t, nodes = facts.columns.contours, facts.columns.nodes
-    region = t["region"]
-    outer = np.flatnonzero(~inner)
-    ledger.enter("regions_with_one_outer_contour", bool(np.array_equal(np.sort(region[outer]), nodes["region"])), True)
+    region, hosted = t["region"], inner & (host >= 0)
+    alone = np.array_equal(np.sort(region[~inner]), nodes["region"])
+    ledger.enter("regions_with_one_outer_contour", bool(alone), True)
     ledger.rows("contours.region.level", nodes["level"][region] == t["level"], "level of the region")
-    ledger.rows("holes_in_some_region", ~inner | (host >= 0), "an outer contour of the same body around the hole")
-    expected = np.where(inner & (host >= 0), region[host], region)
+    ledger.rows("holes_in_some_region", ~inner | hosted, "an outer contour of the same body around the hole")
+    expected = np.where(hosted, region[host], region)
     ledger.rows("contours.region", region == expected, "the smallest outer contour of the same body around the hole")
 
 
 def check_blocks(facts, ledger):
     """Components of the solid in each slab."""
-    t, contours, found = facts.columns.pieces, facts.columns.contours, facts.recount
+    found, region = facts.recount, facts.columns.contours["region"].astype(np.int64)
     hosts, lost = _host_voids(facts)
     ledger.enter("voids_within_a_slab_without_a_host", lost, 0)
-    n_regions = len(facts.columns.nodes["node"])
-    args = facts.recount.above, facts.recount.below, contours["region"].astype(np.int64), len(t["piece"]), n_regions
-    block, above, below, n = find_blocks(*args, hosts)
-    stated = t["block"].astype(np.int64)
+    sizes, stated = (len(facts.kinds), len(facts.columns.nodes["node"])), facts.columns.pieces["block"].astype(np.int64)
+    block, above, below, n = find_blocks(found.above, found.below, region, *sizes, hosts)
     pairs = np.unique(np.stack([block, stated]), axis=1).shape[1]
     ledger.enter("blocks", [len(np.unique(stated)), pairs], [n, n])
     if not (len(np.unique(stated)) == pairs == n):
@@ -118,18 +100,14 @@ def _host_voids(facts):
 
 def _check_open_holes(facts, ledger, found):
     """Holes between two regions are no matter unless regions that they touch lie in different blocks."""
-    contours = facts.columns.contours
-    alternatives = 0
+    contours, body, alternatives = facts.columns.contours, facts.body[found.shell], 0
     for hole in np.flatnonzero(facts.open_holes).tolist():
-        same = (contours["level"] == contours["level"][hole]) & (
-            facts.body[found.shell] == facts.body[found.shell[hole]]
-        )
-        outers = np.flatnonzero(same & ~np.asarray(contours["inner"], bool))
-        curve, *around = facts.curves.lines([hole, *outers])
-        outers = [c for c, ring in zip(outers.tolist(), around) if _distance(ring, curve) <= facts.noise]
-        blocks = {(int(facts.block_above[r]), int(facts.block_below[r])) for r in contours["region"][outers].tolist()}
-        alternatives += len(blocks) > 1
-    ledger.enter("holes_that_rounding_leaves_open", alternatives, 0)
+        outers = (contours["level"] == contours["level"][hole]) & (body == body[hole]) & ~contours["inner"]
+        curve, *around = facts.curves.lines([hole, *np.flatnonzero(outers)])
+        touched = contours["region"][outers][[_distance(ring, curve) <= facts.noise for ring in around]]
+        blocks = facts.block_above[touched], facts.block_below[touched]
+        alternatives += np.unique(np.stack(blocks), axis=1).shape[1] > 1
+    ledger.enter("holes_that_rounding_leaves_open", int(alternatives), 0)
 
 
 def _distance(outer, curve):

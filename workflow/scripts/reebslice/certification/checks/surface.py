@@ -7,7 +7,7 @@ what it recomputes it leaves in the facts for later checks.
 import numpy as np
 
 from ..recount.components import find_components
-from ..recount.measures import find_least_rise, label_vertices, measure_shells
+from ..recount.measures import find_least_rise, measure_shells
 from ..recount.shells import find_around, find_body, find_parent
 from ..recount.surface import copies, count_links, find_mesh_edges, rank_surface
 
@@ -34,12 +34,14 @@ def _check_shells(facts, ledger):
     """Shells are the components of the surface, with their counts, measures and nesting."""
     t, n, shell = facts.columns.shells, len(facts.rank), facts.columns.faces["shell"]
     facts.n_shells = count = len(t["shell"])
-    n_parts, _ = find_components(facts.sides.lower, facts.sides.upper, n)
-    label, agree = label_vertices(facts.surface.corners, facts.surface.shell, n)
-    facts.shell_of_vertex = label[facts.rank]
-    n_vertices, n_faces = (np.bincount(of, minlength=count) for of in (label, shell))
-    same = agree and n_parts == count == np.count_nonzero(n_vertices)
+    n_parts, part = find_components(facts.sides.lower, facts.sides.upper, n)
+    of_face, shell_of_part = part[facts.surface.corners[:, 0]], np.zeros(n_parts, np.int64)
+    shell_of_part[of_face] = facts.surface.shell
+    same = n_parts == count == len(np.unique(shell_of_part))
+    same = same and np.array_equal(shell_of_part[of_face], facts.surface.shell)
     ledger.enter("shells_are_components", same, True)
+    facts.shell_of_vertex = shell_of_part[part][facts.rank]
+    n_vertices, n_faces = (np.bincount(of, minlength=count) for of in (facts.shell_of_vertex, shell))
     facts.shell_euler = n_vertices - n_faces // 2  # 3 F = 2 E
     facts.shell_genus = (2 - facts.shell_euler) // 2
     areas, volumes = measure_shells(facts.points, facts.faces, shell, count)

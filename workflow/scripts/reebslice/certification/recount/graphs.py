@@ -76,10 +76,30 @@ def list_members(group, n, values=None):
     return [members[begin:end] for begin, end in itertools.pairwise(bounds.tolist())]
 
 
-def counts(parts):
-    """Items below and above every part, two (P,) int."""
-    n = len(parts.joints)
-    return np.bincount(parts.above, minlength=n), np.bincount(parts.below, minlength=n)
+def list_items(parts):
+    """List the items below and above each of some :class:`GraphParts`: two lists of lists."""
+    return list_members(parts.above, len(parts.joints)), list_members(parts.below, len(parts.joints))
+
+
+def find_chains(above, below, plain):
+    """Find the chains of items that plain parts hold together, one on top of the other.
+
+    Parameters
+    ----------
+    above, below : (I,) int
+        The part on either side of each item.
+    plain : (P,) bool
+        The parts with one item below and one above that are passed.
+
+    Returns
+    -------
+    count : int
+    chain : (I,) int
+        Of each item.
+    """
+    low, high = np.full(len(plain), -1), np.full(len(plain), -1)
+    low[above] = high[below] = np.arange(len(above))
+    return find_components(low[plain], high[plain], len(above))
 
 
 def find_arcs(parts, level):
@@ -98,14 +118,10 @@ def find_arcs(parts, level):
     odd : (k,) int
         The parts that are neither a joint nor a plain continuation; no arc can pass those.
     """
-    n_below, n_above = counts(parts)
     has = np.array([bool(joints) for joints in parts.joints], bool)
+    n_below, n_above = (np.bincount(of, minlength=len(has)) for of in (parts.above, parts.below))
     odd = ~has & ((n_below != 1) | (n_above != 1))
-    plain = ~has & ~odd
-    items = np.arange(len(level))
-    low, high = np.full(len(has), -1), np.full(len(has), -1)
-    low[parts.above], high[parts.below] = items, items  # one each where plain
-    n, chain = find_components(low[plain], high[plain], len(items))
+    n, chain = find_chains(parts.above, parts.below, ~has & ~odd)
     order = np.lexsort((level, chain))
     runs = np.split(order, np.searchsorted(chain[order], np.arange(1, n))) if n else []
     ends = [(int(parts.below[run[0]]), int(parts.above[run[-1]])) for run in runs]
@@ -139,13 +155,8 @@ def find_augmented_edges(parts, operations):
     list of (str, str, str)
         Two nodes and the operation; sorted.
     """
-    n = len(parts.joints)
-    below, above = [[] for _ in range(n)], [[] for _ in range(n)]
-    for item, (low, high) in enumerate(zip(parts.above.tolist(), parts.below.tolist())):
-        below[low].append(item)
-        above[high].append(item)
     edges = []
-    for lower, upper, joints in zip(below, above, parts.joints):
+    for lower, upper, joints in zip(*list_items(parts), parts.joints):
         if not joints:
             edges += [(f"n{a}", f"n{b}", "continuation") for a in lower for b in upper]
             continue

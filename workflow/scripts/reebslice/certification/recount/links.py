@@ -25,11 +25,14 @@ def smallest_tilt(points):
     -------
     int
         The tilt along x is 2 ** -that, the one along y its square: steps of
-        height outweigh the one along x, and steps of x that along y, twice over.
+        height outweigh the one along x, and, where heights tie, steps of x that along y, twice over.
     """
-    dx, dz = (steps[steps > 0].min() for steps in map(np.diff, (np.sort(points[:, 0]), points[:, 2])))
-    x, y = np.abs(points[:, :2]).max(axis=0)
-    return max(3, int(np.ceil(3 + np.log2(max((x + y) / dz, y / dx)))))
+    x, y, rises = np.abs(points[:, 0]).max(), np.abs(points[:, 1]).max(), np.diff(points[:, 2])
+    least = (x + y) / rises[rises > 0].min()
+    if not rises.all():
+        steps = np.diff(np.sort(points[:, 0]))
+        least = max(least, y / steps[steps > 0].min())
+    return max(3, int(np.ceil(3 + np.log2(least))))
 
 
 def whole_points(points, tilt):

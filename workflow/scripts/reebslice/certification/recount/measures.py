@@ -11,28 +11,6 @@ def find_least_rise(points, lower, upper):
     return float((z[upper] - z[lower]).min())
 
 
-def label_vertices(corners, shell, n):
-    """Find the shell of each of n vertices by that of some face of it.
-
-    Parameters
-    ----------
-    corners : (m, 3) int
-    shell : (m,) int
-        The shell of each face.
-    n : int
-
-    Returns
-    -------
-    label : (n,) int32
-    agree : bool
-        Whether all faces of every vertex are of one shell.
-    """
-    label, corners = np.zeros(n, np.int32), [np.ascontiguousarray(column) for column in corners.T]
-    for column in corners:
-        label[column] = shell
-    return label, all((label[column] == shell).all() for column in corners)
-
-
 @njit
 def measure_shells(points, faces, shell, n):
     """Measure each of n shells.

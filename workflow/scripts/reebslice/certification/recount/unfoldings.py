@@ -115,7 +115,7 @@ def unfold(surface, below, folded, witness):
             for corner in set(faces[new]) & set(stars):
                 stars[corner].append(new)
     place = np.lexsort((turn, origin))
-    rank = np.empty(len(place), np.int64)
+    rank = np.empty(len(place), np.int32)
     rank[place] = np.arange(len(place))
     old = np.array(origin)[place]
     split = sort_corners(surface.points[old], surface.origin[old], rank, np.array(faces).T, np.array(shell))
