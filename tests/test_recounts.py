@@ -10,9 +10,12 @@ import trimesh
 from reebslice.certification.recount.components import find_components
 from reebslice.certification.recount.curves import look, measure_curves, read_curves
 from reebslice.certification.recount.elders import elder_pairs, essential_points
+from reebslice.certification.recount.graph_pairs import graph_pairs
 from reebslice.certification.recount.holes import ContourNesting
+from reebslice.certification.recount.links import find_arms, find_links, smallest_tilt, whole_points
 from reebslice.certification.recount.measures import find_least_rise, measure_shells
 from reebslice.certification.recount.regions import build_polygons, find_regions, look_around, share
+from reebslice.certification.recount.sides import local_sides
 from reebslice.certification.recount.surface import count_links, find_mesh_edges, rank_surface
 from solids import blob, hollow_ball, plate, torus
 
@@ -272,3 +275,44 @@ def test_contours_around_a_contour(seed):
                 assert nest.innermost(one, [other]) == (other if inside.all() else -1, False, False)
             elif 0 < inside.mean() < 1:
                 assert nest.innermost(one, [other]) == (-1, True, False)
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_loops_of_a_graph_end_where_no_way_stays_higher(seed):
+    random, n = np.random.default_rng(seed), 30
+    ends = [sorted(random.choice(n, 2, replace=False).tolist()) for _ in range(n + 4 * seed)]
+    ends = sorted(ends + ends[:2], key=lambda pair: pair[1])  # two of them twice
+    seen, loops = nx.Graph(), []
+    seen.add_nodes_from(range(n))
+    for low, high in ends:
+        if nx.has_path(seen, low, high):
+            above = (seen.subgraph(range(floor, n)) for floor in range(low, -1, -1))
+            loops.append((next(min(part) for part in above if nx.has_path(part, low, high)), high))
+        seen.add_edge(low, high)
+    assert graph_pairs(n, ends)[2] == sorted(loops)
+
+
+@pytest.mark.parametrize("solid", [torus(upright=True), plate(3, upright=True), hollow_ball(), blob(1)])
+def test_sides_change_when_material_and_void_do(solid):
+    surface, turned = ranked(solid), ranked(solid, solid.faces[:, ::-1])
+    critical = np.flatnonzero(surface.index >= 0).tolist()
+    sides, others = local_sides(surface, critical), local_sides(turned, critical)
+    assert [{"A": "B", "B": "A", "": ""}[side] for side in sides] == others
+    extrema = [side for vertex, side in zip(critical, sides) if surface.index[vertex] != 1]
+    assert "" not in extrema and set(sides) >= {"A", "B"}
+    assert (sides[0], sides[-1]) == ("A", "B")  # material begins at the lowest point and ends at the highest
+
+
+@pytest.mark.parametrize("solid", [torus(upright=True), plate(3, upright=True), blob(1)])
+def test_links_are_cycles_of_neighbours_seen_in_whole_numbers(solid):
+    surface = ranked(solid)
+    around, tilt = nx.Graph(), smallest_tilt(surface.points)
+    for face in surface.corners.tolist():
+        around.add_edges_from([face[:2], face[1:], face[::2]])
+    for vertex, link in find_links(surface, list(range(0, len(solid.points), 3))).items():
+        assert sorted(link) == sorted(around[vertex])
+        assert all(around.has_edge(*pair) for pair in zip(link, link[1:] + link[:1]))
+        heights = [h for _, _, h in find_arms(surface.points, tilt, vertex, link)]
+        assert [h > 0 for h in heights] == [other > vertex for other in link] and 0 not in heights
+    unit, whole = whole_points(surface.points[:5], tilt)
+    assert [[x / unit, y / unit] for x, y, _ in whole] == surface.points[:5, :2].tolist()
