@@ -9,6 +9,7 @@ import numpy as np
 from ..recount.elders import essential_points
 from ..recount.graph_pairs import graph_pairs
 from ..recount.graphs import count_loops, find_parts, neighbours
+from ..recount.ranges import expand_ranges
 from ..recount.surface import copies
 
 PAIRINGS = {(0, 1): "ordinary", (1, 2): "relative", (1, 1): "loop", (0, 2): "extended"}
@@ -18,8 +19,7 @@ def check_critical(facts, ledger):
     """Every critical point, its partner, and arcs that fit the contours of every level."""
     t, arcs, surface = facts.columns.critical_points, facts.columns.critical_arcs, facts.surface
     count = np.where(surface.index >= 0, copies(surface), 0)
-    point = np.repeat(np.arange(len(count)), count)
-    ranks = surface.weight[point] + np.arange(len(point)) - np.repeat(np.cumsum(count) - count, count)
+    point, ranks = expand_ranges(surface.weight[:-1], surface.weight[:-1] + count)
     ledger.enter("critical_points.rank", np.array_equal(t["rank"], ranks), True)
     if not np.array_equal(t["rank"], ranks):
         raise ValueError("table critical_points does not list the critical points of the surface")

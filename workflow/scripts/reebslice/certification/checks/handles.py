@@ -8,7 +8,7 @@ import numpy as np
 import shapely
 
 from ...schemas import EVENTS
-from ..recount.graphs import list_members
+from ..recount.ranges import list_members
 from ..recount.sides import local_sides
 
 INDEX_OF_KIND = {"birth": 0, "death": 2, "join": 1, "split": 1}

@@ -7,7 +7,8 @@ what it recomputes it leaves in the facts for later checks.
 import numpy as np
 import shapely
 
-from ..recount.graphs import GraphParts, list_items, list_members
+from ..recount.graphs import GraphParts, list_items
+from ..recount.ranges import list_members
 from ..recount.regions import build_polygons, find_regions, look_around, share
 
 

@@ -7,8 +7,9 @@ what it recomputes it leaves in the facts for later checks.
 import numpy as np
 import shapely
 
-from ..recount.graphs import find_blocks, find_chains, list_members
+from ..recount.graphs import find_blocks, find_chains
 from ..recount.holes import ContourNesting, find_hosts, find_parents
+from ..recount.ranges import list_members
 
 
 def check_holes(facts, ledger):

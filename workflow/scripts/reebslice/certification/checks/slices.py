@@ -11,7 +11,7 @@ from ..recount.curves import look, measure_curves, read_curves
 from ..recount.cut_surface import count_below, recount
 from ..recount.elders import essential_points
 from ..recount.exact_levels import ExactLevels
-from ..recount.graphs import list_members
+from ..recount.ranges import list_members
 from ..recount.shells import find_walls
 from ..recount.surface import copies, find_mesh_edges
 from ..recount.unfoldings import Witness, find_folded, list_copies, unfold

@@ -6,6 +6,7 @@ import numpy as np
 import shapely
 
 from ...kernels import njit
+from .ranges import expand_ranges
 
 # Of a plain line string as well-known binary: little-endian, its type, the number of points, then the points.
 HEAD = np.frombuffer(b"\x01\x02\x00\x00\x00", np.uint8)
@@ -32,11 +33,8 @@ class Curves(NamedTuple):
         index : (N,) int
             Of each point the place of its curve in `rows`.
         """
-        sizes = self.first[rows + 1] - self.first[rows]
-        if len(rows) and (np.diff(rows) == 1).all():
-            return self.points[self.first[rows[0]] : self.first[rows[-1] + 1]], np.repeat(np.arange(len(rows)), sizes)
-        index = np.repeat(np.arange(len(rows)), sizes)
-        return self.points[np.arange(len(index)) + (self.first[rows] - np.cumsum(sizes) + sizes)[index]], index
+        index, place = expand_ranges(self.first[rows], self.first[rows + 1])
+        return self.points[place], index
 
     def lines(self, rows):
         """Make line strings of some of the curves.

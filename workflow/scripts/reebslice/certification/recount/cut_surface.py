@@ -17,6 +17,7 @@ from scipy.sparse import csr_array
 from scipy.sparse.csgraph import maximum_bipartite_matching
 
 from .cells import Cut, Run, join_cells, measure_contours, measure_pieces
+from .ranges import expand_ranges
 
 CELLS_AT_ONCE = 200_000
 
@@ -196,8 +197,8 @@ def _find_anchors(surface, sides, place, anchors):
     order = np.argsort(keys, kind="stable")  # they are nearly in order
     wanted = rank[anchors["lower_vertex"]] * n + rank[anchors["upper_vertex"]]
     low, high = (np.searchsorted(keys[order], wanted, side=side) for side in ("left", "right"))
-    row = np.repeat(np.arange(len(wanted)), high - low)
-    side = order[np.arange(len(row)) + (high - np.cumsum(high - low))[row]]
+    row, near = expand_ranges(low, high)
+    side = order[near]
     met = np.flatnonzero((place[sides.lower[side]] <= level[row]) & (level[row] < place[sides.upper[side]]))
     met = met[np.argsort(level[row[met]], kind="stable")]
     return row[met], side[met]

@@ -11,6 +11,7 @@ from typing import NamedTuple
 import numpy as np
 
 from .components import find_components
+from .ranges import list_members
 
 
 class GraphParts(NamedTuple):
@@ -53,27 +54,6 @@ def find_blocks(piece_above, piece_below, region, n_pieces, n_regions, hosts):
     size = n_pieces + 2 * n_regions
     n, part = find_components(ends, pieces, size)
     return part[:n_pieces], part[n_pieces : n_pieces + n_regions], part[n_pieces + n_regions :], n
-
-
-def list_members(group, n, values=None):
-    """List the members of each of n groups.
-
-    Parameters
-    ----------
-    group : (k,) int
-        Of each member.
-    n : int
-    values : (k,) int, optional
-        What to list of the members; if not given, their numbers.
-
-    Returns
-    -------
-    list of n lists of int
-    """
-    order = np.argsort(group, kind="stable")
-    members, bounds = (order if values is None else values[order]), np.searchsorted(group[order], np.arange(n + 1))
-    members = members.tolist()
-    return [members[begin:end] for begin, end in itertools.pairwise(bounds.tolist())]
 
 
 def list_items(parts):
@@ -181,7 +161,7 @@ def count_loops(n_nodes, pairs):
         First Betti number.
     component : (n_nodes,) int
     """
-    n, part = count_components(n_nodes, pairs)
+    n, part = find_components(*np.asarray(pairs, np.int64).reshape(-1, 2).T, n_nodes)
     return len(pairs) - n_nodes + n, part
 
 
@@ -197,25 +177,8 @@ def neighbours(graph):
 def find_parts(graph):
     """The connected components of a :class:`graphml.ReadGraph`: sets of names."""
     place = {node: k for k, node in enumerate(graph.nodes)}
-    n, part = count_components(len(place), [(place[a], place[b]) for a, b, *_ in graph.edges])
-    parts = [set() for _ in range(n)]
+    _, part = count_loops(len(place), [(place[a], place[b]) for a, b, *_ in graph.edges])
+    parts = [set() for _ in range(part.max(initial=-1) + 1)]
     for node, k in zip(place, part.tolist()):
         parts[k].add(node)
     return parts
-
-
-def count_components(n_nodes, pairs):
-    """Find the components of a graph.
-
-    Parameters
-    ----------
-    n_nodes : int
-    pairs : list of (int, int)
-        Its edges.
-
-    Returns
-    -------
-    count : int
-    component : (n_nodes,) int
-    """
-    return find_components(*np.asarray(pairs, np.int64).reshape(-1, 2).T, n_nodes)

@@ -6,6 +6,7 @@ import numpy as np
 import shapely
 
 from .curves import Curves, look
+from .ranges import expand_ranges
 from .shared_areas import find_chains, share_areas
 
 POINTS_AT_ONCE = 100_000
@@ -89,9 +90,7 @@ def build_polygons(regions, rows):
     (k,) shapely.Polygon
         Mended ones as they are now, empty ones without an outer curve.
     """
-    counts = regions.begin[rows + 1] - regions.begin[rows]
-    index = np.repeat(np.arange(len(rows)), counts)
-    place = np.arange(len(index)) + (regions.begin[rows] - np.cumsum(counts) + counts)[index]
+    index, place = expand_ranges(regions.begin[rows], regions.begin[rows + 1])
     index, place = index[regions.turn[place] != 0], place[regions.turn[place] != 0]
     out = np.full(len(rows), shapely.Polygon(), object)
     if len(index):

@@ -16,6 +16,7 @@ from typing import NamedTuple
 import numpy as np
 
 from .links import find_arms, find_upper_wedges, follow, order_level_directions, smallest_tilt
+from .ranges import expand_ranges
 from .surface import copies, oriented_faces, sort_corners
 
 
@@ -63,10 +64,9 @@ def list_copies(surface, folded):
     vertex, rank : (k,) int
         The vertex of each copy, and its rank, copies counted.
     """
-    counts = copies(surface)[list(folded)] - 1
-    vertex = np.repeat(np.array(list(folded), np.int64), counts)
-    number = np.arange(len(vertex)) - np.repeat(np.cumsum(counts) - counts, counts)
-    return vertex, surface.weight[vertex] + number
+    vertex = np.array(list(folded), np.int64)
+    owner, rank = expand_ranges(surface.weight[vertex], surface.weight[vertex + 1] - 1)
+    return vertex[owner], rank
 
 
 def _plain_below(surface, below):
@@ -98,7 +98,8 @@ def unfold(surface, below, folded, witness):
         return surface, _plain_below(surface, below), []
     faces, shell = oriented_faces(surface).tolist(), surface.shell.tolist()
     origin, turn, odd = list(range(len(surface.points))), [0] * len(surface.points), []
-    stars, tilt = {vertex: _star(surface, vertex) for vertex in folded}, smallest_tilt(surface.points)
+    stars = {vertex: np.flatnonzero((surface.corners == vertex).any(axis=1)).tolist() for vertex in folded}
+    tilt = smallest_tilt(surface.points)
     for vertex, cuts in folded.items():
         link = follow(dict(_rotated(faces[f], vertex) for f in stars[vertex]))
         old_link = [origin[w] for w in link]  # neighbours may have come apart before
@@ -136,11 +137,6 @@ def _below_of_split(surface, below, old, folded):
     return np.searchsorted(np.cumsum(weight[old]), below, side="right")
 
 
-def _star(surface, vertex):
-    """The faces around a vertex."""
-    return np.flatnonzero((surface.corners == vertex).any(axis=1)).tolist()
-
-
 def _rotated(face, vertex):
     """The two corners after a vertex in a face."""
     k = face.index(vertex)
@@ -155,9 +151,8 @@ def _matching(n_wedges, split_off):
     what is left of the lower wedges.
     """
     rest = [w for w in range(n_wedges) if w not in split_off]
-    return [(2 * w, 2 * w + 1) for w in split_off] + [
-        (2 * w + 1, 2 * rest[(i + 1) % len(rest)]) for i, w in enumerate(rest)
-    ]
+    across = [(2 * w + 1, 2 * following) for w, following in zip(rest, rest[1:] + rest[:1])]
+    return [(2 * w, 2 * w + 1) for w in split_off] + across
 
 
 def _crosses(matching, turns):
