@@ -8,11 +8,14 @@ import shapely
 import trimesh
 
 from reebslice.certification.recount.components import find_components
-from reebslice.certification.recount.curves import measure_curves, pass_spots, read_curves
+from reebslice.certification.recount.curves import look, measure_curves, read_curves
 from reebslice.certification.recount.elders import elder_pairs, essential_points
+from reebslice.certification.recount.graph_pairs import graph_pairs
 from reebslice.certification.recount.holes import ContourNesting
-from reebslice.certification.recount.measures import label_vertices, largest_terms, measure_shells
+from reebslice.certification.recount.links import find_arms, find_links, smallest_tilt, whole_points
+from reebslice.certification.recount.measures import find_least_rise, measure_shells
 from reebslice.certification.recount.regions import build_polygons, find_regions, look_around, share
+from reebslice.certification.recount.sides import local_sides
 from reebslice.certification.recount.surface import count_links, find_mesh_edges, rank_surface
 from solids import blob, hollow_ball, plate, torus
 
@@ -48,11 +51,15 @@ def test_mesh_edges_lie_between_two_faces(solid):
     for face, (a, b, c) in enumerate(surface.corners.tolist()):
         for place, pair in enumerate(((a, b), (b, c), (a, c))):
             owners.setdefault(pair, []).append((face, place))
-    assert list(zip(sides.lower.tolist(), sides.upper.tolist())) == sorted(owners)
-    for side, pair in enumerate(sorted(owners)):
+    pairs = list(zip(sides.lower.tolist(), sides.upper.tolist()))
+    assert sorted(pairs) == sorted(owners) and sides.lower.tolist() == sorted(sides.lower.tolist())
+    assert sides.upper[sides.by_upper].tolist() == sorted(sides.upper.tolist())
+    for side, pair in enumerate(pairs):
         assert sides.faces[side].tolist() == [face for face, _ in owners[pair]]
         assert all(sides.of_face[place] == side for place in owners[pair])
-    assert (count_links(surface.corners, sides.of_face, sides.faces, len(solid.points)) == 1).all()
+    assert (count_links(surface, sides) == 1).all()
+    rises = surface.points[sides.upper, 2] - surface.points[sides.lower, 2]
+    assert find_least_rise(surface.points, sides.lower, sides.upper) == min(rises.tolist())
 
 
 def test_what_is_no_closed_oriented_surface_has_no_sides():
@@ -76,7 +83,7 @@ def test_links_are_counted_at_each_vertex():
     surface = ranked(solid)
     sides = find_mesh_edges(surface)
     links = np.empty(16, np.int64)
-    links[surface.origin] = count_links(surface.corners, sides.of_face, sides.faces, 16)
+    links[surface.origin] = count_links(surface, sides)
     assert links.tolist() == [2] + [1] * 14 + [0]
 
 
@@ -126,24 +133,15 @@ def test_vertices_are_ranked_and_told_by_their_neighbours(solid):
         assert (surface.index[v], surface.weight[v + 1] - surface.weight[v]) == (index, max(wedges - 1, 1))
 
 
-def test_vertices_are_of_the_shells_of_their_faces():
-    surface = ranked(hollow_ball())
-    n, part = find_components(surface.corners[:, [0, 0]].ravel(), surface.corners[:, 1:].ravel(), len(surface.points))
-    label, agree = label_vertices(surface.corners, part[surface.corners[:, 1]], len(part))
-    assert n == 2 and agree and (label == part).all()
-    assert not label_vertices(surface.corners, np.arange(len(surface.corners), dtype=np.int32), len(part))[1]
-    direction = np.array([0.3, -0.5, 0.8])
-    largest = (np.abs(surface.points) @ np.abs(direction)).max()
-    assert largest_terms(*surface.points.T.copy(), direction) == pytest.approx(largest, rel=1e-14)
-
-
 def test_shells_are_measured_one_by_one():
     solid = hollow_ball()
     shell = trimesh.Trimesh(solid.points, solid.faces, process=False)
     label = np.zeros(len(solid.faces), np.int64)
     for k, part in enumerate(trimesh.graph.connected_components(shell.face_adjacency)):
         label[part] = k
-    area, volume = measure_shells((solid.points + 100.0).T.copy(), solid.faces.T.copy(), label, label.max() + 1)
+    area, volume = measure_shells(
+        tuple((solid.points + 100.0).T.copy()), tuple(solid.faces.T.copy()), label, label.max() + 1
+    )
     for k in range(label.max() + 1):
         part = trimesh.Trimesh(solid.points, solid.faces[label == k], process=False)
         assert (area[k], volume[k]) == pytest.approx((part.area, part.volume), rel=1e-12)
@@ -197,8 +195,10 @@ def test_curves_are_measured_as_shapely_measures_them():
     assert (boxes == shapely.bounds(lines)).all()
     spots = np.random.default_rng(0).uniform(-2, 2, (21, 2))
     far = shapely.distance(lines, shapely.points(spots))
-    for room in (0.0, np.median(far), far.max() + 1):
-        assert pass_spots(*curves, spots, room).tolist() == (far <= room).tolist()
+    for reach in (0.0, np.median(far), np.inf):
+        inside, near = look(*curves, np.arange(21), spots, reach)
+        assert near == pytest.approx(np.minimum(far, reach), rel=1e-12)
+        assert inside.tolist() == shapely.contains_xy([shapely.Polygon(line.coords) for line in lines], spots).tolist()
 
 
 def squares(*boxes, inward=()):
@@ -275,3 +275,44 @@ def test_contours_around_a_contour(seed):
                 assert nest.innermost(one, [other]) == (other if inside.all() else -1, False, False)
             elif 0 < inside.mean() < 1:
                 assert nest.innermost(one, [other]) == (-1, True, False)
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_loops_of_a_graph_end_where_no_way_stays_higher(seed):
+    random, n = np.random.default_rng(seed), 30
+    ends = [sorted(random.choice(n, 2, replace=False).tolist()) for _ in range(n + 4 * seed)]
+    ends = sorted(ends + ends[:2], key=lambda pair: pair[1])  # two of them twice
+    seen, loops = nx.Graph(), []
+    seen.add_nodes_from(range(n))
+    for low, high in ends:
+        if nx.has_path(seen, low, high):
+            above = (seen.subgraph(range(floor, n)) for floor in range(low, -1, -1))
+            loops.append((next(min(part) for part in above if nx.has_path(part, low, high)), high))
+        seen.add_edge(low, high)
+    assert graph_pairs(n, ends)[2] == sorted(loops)
+
+
+@pytest.mark.parametrize("solid", [torus(upright=True), plate(3, upright=True), hollow_ball(), blob(1)])
+def test_sides_change_when_material_and_void_do(solid):
+    surface, turned = ranked(solid), ranked(solid, solid.faces[:, ::-1])
+    critical = np.flatnonzero(surface.index >= 0).tolist()
+    sides, others = local_sides(surface, critical), local_sides(turned, critical)
+    assert [{"A": "B", "B": "A", "": ""}[side] for side in sides] == others
+    extrema = [side for vertex, side in zip(critical, sides) if surface.index[vertex] != 1]
+    assert "" not in extrema and set(sides) >= {"A", "B"}
+    assert (sides[0], sides[-1]) == ("A", "B")  # material begins at the lowest point and ends at the highest
+
+
+@pytest.mark.parametrize("solid", [torus(upright=True), plate(3, upright=True), blob(1)])
+def test_links_are_cycles_of_neighbours_seen_in_whole_numbers(solid):
+    surface = ranked(solid)
+    around, tilt = nx.Graph(), smallest_tilt(surface.points)
+    for face in surface.corners.tolist():
+        around.add_edges_from([face[:2], face[1:], face[::2]])
+    for vertex, link in find_links(surface, list(range(0, len(solid.points), 3))).items():
+        assert sorted(link) == sorted(around[vertex])
+        assert all(around.has_edge(*pair) for pair in zip(link, link[1:] + link[:1]))
+        heights = [h for _, _, h in find_arms(surface.points, tilt, vertex, link)]
+        assert [h > 0 for h in heights] == [other > vertex for other in link] and 0 not in heights
+    unit, whole = whole_points(surface.points[:5], tilt)
+    assert [[x / unit, y / unit] for x, y, _ in whole] == surface.points[:5, :2].tolist()

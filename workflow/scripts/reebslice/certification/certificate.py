@@ -10,7 +10,7 @@ import numpy as np
 import pyarrow as pa
 import shapely
 
-from .checks import critical_points, form, handles, links, regions, slices, surface
+from .checks import arcs, critical_points, form, handles, links, regions, slices, surface
 from .checks import graphs as graph_checks
 from .facts import Facts
 from .graphml import ReadGraph
@@ -35,7 +35,7 @@ STEPS = (
     handles.check_sides,
     links.check_nodes,
     links.check_edges,
-    links.check_arcs,
+    arcs.check_arcs,
     graph_checks.check_graphs,
     graph_checks.check_identities,
     critical_points.check_simplified,

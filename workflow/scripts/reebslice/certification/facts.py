@@ -39,8 +39,8 @@ class Facts:
     columns: SimpleNamespace = UNKNOWN  # per table a dict {column: array, or list where values are lists or null}
 
     # check_mesh: the surface
-    points: list = UNKNOWN  # columns x, y, z (n,) in the model frame
-    faces: list = UNKNOWN  # columns a, b, c (m,) of vertices
+    points: tuple = UNKNOWN  # columns x, y, z (n,) in the model frame
+    faces: tuple = UNKNOWN  # columns a, b, c (m,) of vertices
     rotation: np.ndarray = UNKNOWN  # (3, 3), from the model frame to the tilted frame
     surface: Ranked = UNKNOWN  # the surface, its vertices in order of height
     rank: np.ndarray = UNKNOWN  # (n,) the place of each vertex in that order
@@ -62,38 +62,29 @@ class Facts:
     void: np.ndarray = UNKNOWN  # (s,) bool, whether the shell bounds a void
     body: np.ndarray = UNKNOWN  # (s,) the shell around the solid that the shell bounds
 
-    # check_tilt
-    least_rise: float = UNKNOWN  # the smallest difference of height over a mesh edge
-
     # check_levels
-    levels: dict = UNKNOWN  # (K,) arrays height, below (vertices, copies counted), tie_x, tie_y
+    levels: dict = UNKNOWN  # arrays height, below (vertices, copies counted), both (K,), and planes (K, 3), with ties
 
     # check_contours
     curves: Curves = UNKNOWN  # of the C contours, as they are drawn
     split: Ranked = UNKNOWN  # the surface with those saddles split between whose copies a level runs
     split_sides: MeshEdges = UNKNOWN  # its mesh edges
-    recount: Recount = UNKNOWN  # contours and pieces of the split surface
+    walls: dict = UNKNOWN  # {void between two levels: (face of `split` around it, slab)}
+    recount: Recount = UNKNOWN  # contours and pieces of the split surface; from check_pieces on these by rows
     exact: ExactLevels = UNKNOWN  # its level sets in rational numbers
 
     # check_curves
     drawn_area: np.ndarray = UNKNOWN  # (C,) signed area of each curve
     drawn_perimeter: np.ndarray = UNKNOWN  # (C,)
+    slack: np.ndarray = UNKNOWN  # (C,) an area that rounding of a contour can make or hide
     centres: np.ndarray = UNKNOWN  # (C, 2) centre of gravity of each curve
     boxes: np.ndarray = UNKNOWN  # (C, 4) lower x and y, upper x and y
 
     # check_pieces
-    piece: np.ndarray = UNKNOWN  # the row of each recounted piece
-    below: np.ndarray = UNKNOWN  # (C,) the piece below each contour
-    above: np.ndarray = UNKNOWN  # (C,) the piece above each contour
-    slab: np.ndarray = UNKNOWN  # (P,) the level below, -1 for none
     kinds: np.ndarray = UNKNOWN  # (P,) words, as in `schemas.PIECE_KINDS`
     elementary: np.ndarray = UNKNOWN  # (P,) bool, neither compound nor unseen
-    piece_shell: np.ndarray = UNKNOWN  # (P,)
-    piece_euler: np.ndarray = UNKNOWN  # (P,)
     piece_genus: np.ndarray = UNKNOWN  # (P,)
     piece_ends: tuple = UNKNOWN  # two (P,), the numbers of contours below and above
-    piece_area: np.ndarray = UNKNOWN  # (P,)
-    piece_flux: np.ndarray = UNKNOWN  # (P,) its part of the volume, as `recount.cells` defines it
     hidden: int = UNKNOWN  # the sum of the genera of pieces
     cancelled: np.ndarray = UNKNOWN  # height differences of the pairs that cancel within a piece
 

@@ -3,8 +3,9 @@
 from typing import NamedTuple
 from xml.parsers import expat
 
-TYPES = {"string": str, "int": int, "long": int, "float": float, "double": float}
 WORDS = {"true": True, "false": False, "1": True, "0": False}
+TYPES = {"string": str, "int": int, "long": int, "float": float, "double": float}
+TYPES["boolean"] = lambda text: WORDS[text.lower()]
 
 
 class ReadGraph(NamedTuple):
@@ -68,9 +69,7 @@ class _Reader:
             self.edges.append((attributes["source"], attributes["target"], attributes["id"], self.data))
             self.directions += ["directed"] * (attributes.get("directed") == "true")
         elif element == "key":
-            kind = attributes["attr.type"]
-            cast = _read_word if kind == "boolean" else TYPES[kind]
-            self.keys[attributes["id"]] = attributes["attr.name"], cast
+            self.keys[attributes["id"]] = attributes["attr.name"], TYPES[attributes["attr.type"]]
         elif element == "graph":
             self.directions.append(attributes["edgedefault"])
 
@@ -80,8 +79,3 @@ class _Reader:
     def end(self, element):
         if element == "data":
             self.data[self.name] = self.cast(self.text)
-
-
-def _read_word(text):
-    """A word of GraphML as a bool."""
-    return WORDS[text.lower()]

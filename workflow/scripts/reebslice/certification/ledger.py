@@ -41,6 +41,21 @@ class Ledger:
         says = f"{len(wrong)} of {len(agree)} rows differ: {what}; the first is row {wrong[0]}." if len(wrong) else ""
         self.enter(name, int(agree.sum()), len(agree), says=says)
 
+    def compare(self, name, stated, *columns):
+        """Enter a check of each of some columns.
+
+        Parameters
+        ----------
+        name : str
+            What the columns are of; a check is called `name`.column.
+        stated : dict
+            {column: array or list}.
+        *columns : tuple
+            (column, expected, what), and a fourth where numbers may differ: by how much.
+        """
+        for column, expected, what, *room in columns:
+            self.rows(f"{name}.{column}", agree(stated[column], expected, *room), what)
+
     def close(self, name, found, expected, tolerance):
         """Enter a check of two numbers.
 
@@ -52,13 +67,31 @@ class Ledger:
             By how much they may differ.
         """
         holds = bool(abs(found - expected) <= tolerance)
-        self.enter(
-            name, float(found), float(expected), holds, "" if holds else f"They differ by more than {tolerance:.3g}."
-        )
+        says = "" if holds else f"They differ by more than {tolerance:.3g}."
+        self.enter(name, float(found), float(expected), holds, says)
 
     def holds(self):
         """Tell whether there are checks and all of them hold."""
         return bool(self.checks) and all(check["holds"] for check in self.checks.values())
+
+
+def agree(found, expected, room=None):
+    """Tell which members of two columns are equal, or differ by no more than `room`.
+
+    Parameters
+    ----------
+    found, expected : (n,) array or list
+    room : float or (n,) float64, optional
+
+    Returns
+    -------
+    (n,) bool
+    """
+    if room is not None:
+        return np.abs(found - expected) <= room
+    if isinstance(found, list) or isinstance(expected, list):
+        return [one == other for one, other in zip(found, expected)]
+    return found == expected
 
 
 def _plain(value):

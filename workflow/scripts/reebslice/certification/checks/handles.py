@@ -8,6 +8,7 @@ import numpy as np
 import shapely
 
 from ...schemas import EVENTS
+from ..recount.ranges import list_members
 from ..recount.sides import local_sides
 
 INDEX_OF_KIND = {"birth": 0, "death": 2, "join": 1, "split": 1}
@@ -16,105 +17,80 @@ INDEX_OF_KIND = {"birth": 0, "death": 2, "join": 1, "split": 1}
 def check_handles(facts, ledger):
     """One handle per essential critical point, at its vertex, of the event that the contours show."""
     t, pieces = facts.columns.handles, facts.columns.pieces
-    vertex, piece = t["vertex"], t["piece"]
-    expected = sorted(rank for ranks in pieces["critical_ranks"] for rank in ranks)
-    ledger.enter("handles.rank", t["rank"].tolist() == expected, True)
+    vertex, piece, place = t["vertex"], t["piece"], facts.rank[t["vertex"]]
     owner = {
         rank: (p, v)
         for p, both in enumerate(zip(pieces["critical_ranks"], pieces["critical"]))
         for rank, v in zip(*both)
     }
+    ledger.enter("handles.rank", t["rank"].tolist() == sorted(owner), True)
     placed = [owner.get(r) == (p, v) for r, p, v in zip(t["rank"].tolist(), piece.tolist(), vertex.tolist())]
     ledger.rows("handles.vertex", placed, "the critical point of its piece")
-    ledger.rows(
-        "handles.position",
-        np.all([column[vertex] == t[axis] for column, axis in zip(facts.points, "xyz")], axis=0),
-        "position of the vertex",
-    )
-    ledger.rows("handles.height", t["height"] == facts.surface.points[facts.rank[vertex], 2], "height of the vertex")
-    for name, values in (("slab", facts.slab), ("block", facts.block)):
-        ledger.rows(f"handles.{name}", t[name] == values[piece], f"{name} of the piece")
-    ledger.rows(
-        "handles.index", t["index"] == facts.surface.index[facts.rank[vertex]], "sign changes around the vertex"
-    )
-    held = np.bincount(piece, minlength=len(facts.kinds))
-    wanted = np.array(
-        [_essentials(*ends) for ends in zip(*(e.tolist() for e in facts.piece_ends), facts.piece_genus.tolist())]
-    )
-    wanted = np.stack([np.bincount(piece[t["index"] == i], minlength=len(held)) for i in range(3)], axis=1) == wanted
-    ledger.rows("pieces.handles", wanted.all(axis=1), "critical points by index that its shape needs")
+    here = np.all([column[vertex] == t[axis] for column, axis in zip(facts.points, "xyz")], axis=0)
+    ledger.rows("handles.position", here, "position of the vertex")
+    regions = [list_members(block, facts.n_blocks) for block in (facts.block_above, facts.block_below)]
+    ledger.compare(
+        "handles", t,
+        ("height", facts.surface.points[place, 2], "height of the vertex"),
+        ("slab", facts.recount.slab[piece], "slab of the piece"),
+        ("block", facts.block[piece], "block of the piece"),
+        ("index", facts.surface.index[place], "sign changes around the vertex"),
+        ("contours_below", [pieces["below"][p] for p in piece.tolist()], "contours below its piece"),
+        ("contours_above", [pieces["above"][p] for p in piece.tolist()], "contours above its piece"),
+        ("regions_below", [regions[0][b] for b in t["block"].tolist()], "regions below the block"),
+        ("regions_above", [regions[1][b] for b in t["block"].tolist()], "regions above the block"),
+    )  # fmt: skip
+    below, above = facts.piece_ends
+    needed = below == 0, np.maximum(below, 1) + np.maximum(above, 1) - 2 + 2 * facts.piece_genus, above == 0
+    held = [np.bincount(piece[t["index"] == i], minlength=len(below)) for i in range(3)]
+    ledger.rows("pieces.handles", np.all(np.equal(held, needed), axis=0), "critical points by index its shape needs")
     _check_events(facts, ledger, t, piece)
-    _check_persistence(facts, ledger, t)
-    chains = np.array([_is_chain(facts, b) for b in range(facts.n_blocks)], bool)
-    facts.chains = chains
-    facts.block_resolved = np.array([len(h) <= 1 for h in facts.handles_of_block], bool) | chains
-    for end, regions in (("below", facts.block_above), ("above", facts.block_below)):
-        members = [[] for _ in range(facts.n_blocks)]
-        for region, b in enumerate(regions.tolist()):
-            members[b].append(region)
-        same = [a == members[b] for a, b in zip(t[f"regions_{end}"], t["block"].tolist())]
-        ledger.rows(f"handles.regions_{end}", same, f"regions {end} the block")
-
-
-def _essentials(n_below, n_above, genus):
-    """Critical points of index 0, 1, 2 that a piece cannot do without."""
-    saddles = max(n_below, 1) + max(n_above, 1) - 2 + 2 * genus
-    return (n_below == 0, saddles, n_above == 0) if (n_below, n_above, genus) != (1, 1, 0) else (0, 0, 0)
+    _check_persistence(ledger, t, facts.columns.critical_points)
+    _find_chains(facts, t)
 
 
 def _check_events(facts, ledger, t, piece):
-    """Changes, sides, operations, counts of contours of the elementary pieces."""
-    inner = np.asarray(facts.columns.contours["inner"], bool)
-    pieces = facts.columns.pieces
-    changes = [_change(inner, a, b) for a, b in zip(pieces["below"], pieces["above"])]
-    resolved = facts.elementary & np.array([c in EVENTS for c in changes], bool)
-    eventful = facts.elementary & (facts.kinds != "cylinder")
-    ledger.rows("pieces.change", ~eventful | resolved, "one of the twelve events")
-    facts.change = changes
-    expected = [changes[p] if resolved[p] else None for p in piece.tolist()]
-    ledger.rows("handles.change", [a == b for a, b in zip(t["change"], expected)], "signs of the contours of its piece")
-    ledger.rows("handles.resolved", t["resolved"] == resolved[piece], "its piece is elementary")
-    for end in ("below", "above"):
-        same = [sorted(a) == sorted(pieces[end][p]) for a, p in zip(t[f"contours_{end}"], piece.tolist())]
-        ledger.rows(f"handles.contours_{end}", same, f"contours {end} its piece")
+    """Change, operation and side of the handles, from the contours of the elementary pieces."""
+    pieces, letter = facts.columns.pieces, np.where(facts.columns.contours["inner"], "i", "o").tolist()
+    facts.change = [
+        "->".join(",".join(sorted(letter[c] for c in end)) for end in ends)
+        for ends in zip(pieces["below"], pieces["above"])
+    ]
+    resolved = facts.elementary & np.array([change in EVENTS for change in facts.change], bool)
+    ledger.rows("pieces.change", resolved | ~facts.elementary | (facts.kinds == "cylinder"), "one of the twelve events")
     events = [EVENTS.get(change) for change in t["change"]]
-    for name, place in (("side", 0), ("index", 1), ("operation", 5)):
-        same = [e is None or e[place] == v for e, v in zip(events, t[name])]
+    ledger.compare(
+        "handles", t,
+        ("change", np.where(resolved, facts.change, None)[piece], "signs of the contours of its piece"),
+        ("resolved", resolved[piece], "its piece is elementary"),
+        ("branches", [e is None or e[4] != 0 for e in events], "the number of regions changes"),
+    )  # fmt: skip
+    for name, k in (("side", 0), ("index", 1), ("operation", 5)):
+        same = [e is None or e[k] == value for e, value in zip(events, t[name])]
         ledger.rows(f"handles.{name}_of_change", same, f"{name} of the event")
-    ledger.rows(
-        "handles.branches",
-        [b == (e is None or e[4] != 0) for b, e in zip(t["branches"], events)],
-        "the number of regions changes",
-    )
-    wanted = [INDEX_OF_KIND.get(facts.kinds[p]) for p in piece.tolist()]
-    fits = [w is None or w == i for w, i in zip(wanted, t["index"].tolist())]
+    fits = [INDEX_OF_KIND.get(kind, index) == index for kind, index in zip(facts.kinds[piece], t["index"])]
     ledger.rows("handles.index_of_kind", fits, "index by the contours below and above")
 
 
-def _change(inner, below, above):
-    """The word of a change, such as o->i,o, from the contours below and above."""
-    sides = (sorted("i" if inner[c] else "o" for c in end) for end in (below, above))
-    return "->".join(",".join(end) for end in sides)
-
-
-def _check_persistence(facts, ledger, t):
+def _check_persistence(ledger, t, points):
     """Persistence and partner, against the exact graph, which was checked before."""
-    points = facts.columns.critical_points
-    place = np.searchsorted(points["rank"], t["rank"])
-    ledger.rows("handles.persistence", t["persistence"] == points["persistence"][place], "that of the critical point")
-    handle = dict(zip(t["rank"].tolist(), t["handle"].tolist()))
-    partner = points["rank"][points["partner"][place]].tolist()
-    ledger.rows("handles.pair", [p == handle.get(r) for p, r in zip(t["pair"], partner)], "the handle of the partner")
-    stated = [handle.get(rank) for rank in points["rank"].tolist()]
-    ledger.rows("critical_points.handle", [a == b for a, b in zip(points["handle"], stated)], "the handle of that rank")
+    place, handle = np.searchsorted(points["rank"], t["rank"]), np.full(len(points["rank"]), -1)
+    handle[place] = t["handle"]
+    ledger.compare(
+        "handles", t,
+        ("persistence", points["persistence"][place], "that of the critical point"),
+        ("pair", handle[points["partner"][place]], "the handle of the partner"),
+    )  # fmt: skip
+    ledger.compare("critical_points", points, ("handle", handle, "the handle of that rank"))
 
 
-def _is_chain(facts, block):
-    """Whether a block holds one region throughout and only events that leave it whole."""
-    handles = facts.handles_of_block[block]
-    changes = [facts.columns.handles["change"][h] for h in handles]
-    whole = all(c in EVENTS and EVENTS[c][4] == 0 for c in changes)
-    return bool(whole and (facts.block_above == block).sum() == 1 == (facts.block_below == block).sum())
+def _find_chains(facts, t):
+    """Find the blocks that hold one region throughout and only events that leave it whole, and those in order."""
+    breaks = [change not in EVENTS or EVENTS[change][4] != 0 for change in t["change"]]
+    ends = (t["block"][np.array(breaks, bool)], facts.block_above, facts.block_below, t["block"])
+    broken, below, above, held = (np.bincount(block, minlength=facts.n_blocks) for block in ends)
+    facts.chains = (broken == 0) & (below == 1) & (above == 1)
+    facts.block_resolved = facts.chains | (held <= 1)
 
 
 def check_sides(facts, ledger):
@@ -125,10 +101,9 @@ def check_sides(facts, ledger):
     interpretation of the solid tells.
     """
     t = facts.columns.handles
-    places, place = np.unique(facts.rank[t["vertex"]].astype(np.int64), return_inverse=True)
-    local = local_sides(facts.surface, places)[place]
-    agree = local == t["side"]
-    tangled = np.zeros(len(local), bool)
+    places, place = np.unique(facts.rank[t["vertex"]], return_inverse=True)
+    local = np.array(local_sides(facts.surface, places.tolist()), object)[place]
+    agree, tangled = local == t["side"], np.zeros(len(local), bool)
     for handle in np.flatnonzero((local != "") & ~agree).tolist():
         bounding = t["contours_below"][handle] + t["contours_above"][handle]
         tangled[handle] = not shapely.is_simple(facts.curves.lines(bounding)).all()

@@ -7,41 +7,33 @@ what it recomputes it leaves in the facts for later checks.
 import numpy as np
 import shapely
 
-from ..recount.components import find_components
-from ..recount.crossings import cross
-from ..recount.graphs import find_blocks
+from ..recount.graphs import find_blocks, find_chains
 from ..recount.holes import ContourNesting, find_hosts, find_parents
-from ..recount.rays import meet_faces
+from ..recount.ranges import list_members
 
 
 def check_holes(facts, ledger):
     """Which contours are holes, and whose."""
     t, found = facts.columns.contours, facts.recount
-    inner = np.asarray(t["inner"], bool)
-    slack = facts.noise * (found.perimeter + facts.noise)
-    certain = np.abs(found.area) > slack
+    inner, stated, body = t["inner"], t["parent"], facts.body[found.shell]
+    certain = np.abs(found.area) > facts.slack
     ledger.rows("contours.inner", ~certain | (inner == (found.area < 0)), "a hole is a contour of negative area")
     facts.crossing = _check_chains(facts, ledger, inner, certain)
-    body = facts.body[found.shell]
-    nest = ContourNesting(
-        facts.curves, facts.boxes, found.area, slack, t["level"].astype(np.int64), facts.noise, facts.exact
-    )
-    host, is_open = find_hosts(nest, inner, body)
+    level = t["level"].astype(np.int64)
+    nest = ContourNesting(facts.curves, facts.boxes, found.area, facts.slack, level, facts.noise, facts.exact)
+    host, facts.open_holes = find_hosts(nest, inner, body)
     _check_regions(facts, ledger, inner, host)
-    facts.open["holes between two regions"] = is_open.sum()
-    facts.open_holes = is_open
     parent, unsure = find_parents(nest)
-    stated = np.array([-1 if p is None else p for p in t["parent"]], np.int64)
     for contour in np.flatnonzero(~unsure & (stated != parent)).tolist():  # of two that meet none need be around
-        others = [o for o in (stated[contour], parent[contour]) if o >= 0]
+        others = [other for other in (stated[contour], parent[contour]) if other >= 0]
         unsure[contour] = bool(others) and nest.meet(contour, others)
     ledger.rows("contours.parent", unsure | (stated == parent), "the smallest contour around it")
+    facts.open["holes between two regions"] = facts.open_holes.sum()
     facts.open["contours of unsure parent"] = (unsure & (stated != parent)).sum()
     lonely = inner & (parent < 0) & ~unsure
-    around = np.where(stated >= 0, stated, np.arange(len(stated)))
-    nested = ~inner & ~inner[around] & (around != np.arange(len(stated))) & (body == body[around])
+    nested = ~inner & (stated >= 0) & ~inner[stated] & (body == body[stated])
     seen = facts.crossing or nest.crosses_itself(body)
-    facts.crossing = seen or bool((nested | lonely | is_open).any())
+    facts.crossing = seen or bool((nested | lonely | facts.open_holes).any())
     told = facts.inspection.get("self_crossings")
     ledger.enter("crossings_of_a_body_are_told", told, "more than 0" if seen else told, told != 0 or not seen)
 
@@ -52,14 +44,14 @@ def _check_chains(facts, ledger, inner, certain):
     Where no contour of a chain has an area beyond rounding, that of its
     shortest one is found in exact numbers.
     """
-    area, n_points = facts.recount.area, facts.recount.n_points
-    chain = _cylinder_chains(facts, len(inner))
-    first = np.zeros(chain.max(initial=-1) + 1, bool)
+    found = facts.recount
+    n, chain = find_chains(found.above, found.below, facts.kinds == "cylinder")
+    first, holes = np.zeros(n, bool), certain & (found.area < 0)
     first[chain] = inner
     ledger.rows("contours.inner_along_cylinders", inner == first[chain], "the same along a chain of cylinders")
-    order = np.lexsort((-n_points, chain))
+    negative, positive = (np.bincount(chain[sure], minlength=n) > 0 for sure in (holes, certain & ~holes))
+    order = np.lexsort((-found.n_points, chain))
     shortest = order[np.flatnonzero(np.diff(chain[order], append=-1))]
-    positive, negative = (np.bincount(chain[certain & (sign * area > 0)], minlength=len(first)) > 0 for sign in (1, -1))
     small = shortest[~(positive | negative)[chain[shortest]]].tolist()
     areas = [facts.exact.area(contour) for contour in small]
     signs = [area != 0 and (area < 0) == inner[contour] for area, contour in zip(areas, small)]
@@ -67,36 +59,25 @@ def _check_chains(facts, ledger, inner, certain):
     return bool((positive & negative).any())
 
 
-def _cylinder_chains(facts, n_contours):
-    """The chain of each contour, (C,): contours that cylinders, one on top of the other, hold together."""
-    cylinder = (facts.kinds == "cylinder")[facts.above], (facts.kinds == "cylinder")[facts.below]
-    low = np.full(len(facts.kinds), -1)
-    low[facts.above[cylinder[0]]] = np.flatnonzero(cylinder[0])
-    high = np.flatnonzero(cylinder[1])
-    return find_components(low[facts.below[high]], high, n_contours)[1]
-
-
 def _check_regions(facts, ledger, inner, host):
     """Regions have one outer contour each, and the holes that it is the smallest around."""
     t, nodes = facts.columns.contours, facts.columns.nodes
-    region = t["region"]
-    outer = np.flatnonzero(~inner)
-    ledger.enter("regions_with_one_outer_contour", bool(np.array_equal(np.sort(region[outer]), nodes["region"])), True)
+    region, hosted = t["region"], inner & (host >= 0)
+    alone = np.array_equal(np.sort(region[~inner]), nodes["region"])
+    ledger.enter("regions_with_one_outer_contour", bool(alone), True)
     ledger.rows("contours.region.level", nodes["level"][region] == t["level"], "level of the region")
-    ledger.rows("holes_in_some_region", ~inner | (host >= 0), "an outer contour of the same body around the hole")
-    expected = np.where(inner & (host >= 0), region[host], region)
+    ledger.rows("holes_in_some_region", ~inner | hosted, "an outer contour of the same body around the hole")
+    expected = np.where(hosted, region[host], region)
     ledger.rows("contours.region", region == expected, "the smallest outer contour of the same body around the hole")
 
 
 def check_blocks(facts, ledger):
     """Components of the solid in each slab."""
-    t, contours, found = facts.columns.pieces, facts.columns.contours, facts.recount
+    found, region = facts.recount, facts.columns.contours["region"].astype(np.int64)
     hosts, lost = _host_voids(facts)
     ledger.enter("voids_within_a_slab_without_a_host", lost, 0)
-    n_regions = len(facts.columns.nodes["node"])
-    args = facts.above, facts.below, contours["region"].astype(np.int64), len(t["piece"]), n_regions
-    block, above, below, n = find_blocks(*args, hosts)
-    stated = t["block"].astype(np.int64)
+    sizes, stated = (len(facts.kinds), len(facts.columns.nodes["node"])), facts.columns.pieces["block"].astype(np.int64)
+    block, above, below, n = find_blocks(found.above, found.below, region, *sizes, hosts)
     pairs = np.unique(np.stack([block, stated]), axis=1).shape[1]
     ledger.enter("blocks", [len(np.unique(stated)), pairs], [n, n])
     if not (len(np.unique(stated)) == pairs == n):
@@ -105,84 +86,32 @@ def check_blocks(facts, ledger):
     rename[block] = stated  # blocks by the numbers of the table
     top = int(stated.max()) + 1
     facts.block, facts.block_above, facts.block_below, facts.n_blocks = stated, rename[above], rename[below], top
-    facts.handles_of_block = [[] for _ in range(top)]
-    for handle, b in enumerate(facts.columns.handles["block"].tolist()):
-        if b >= top:
-            raise ValueError(f"handle {handle} names block {b}, of which no piece is part")
-        facts.handles_of_block[b].append(handle)
+    if facts.columns.handles["block"].max(initial=-1) >= top:
+        raise ValueError("a handle names a block of which no piece is part")
+    facts.handles_of_block = list_members(facts.columns.handles["block"], top)
     _check_open_holes(facts, ledger, found)
 
 
 def _host_voids(facts):
-    """For each void within one slab a piece around it, met by a ray along +x; and how many have none."""
-    closed = np.flatnonzero((facts.kinds == "unseen") & facts.void[facts.piece_shell])
-    hosts = {}
-    if not len(closed):
-        return hosts, 0
-    heights = facts.surface.points[facts.surface.corners, 2]
-    low, high, body = heights.min(axis=1), heights.max(axis=1), facts.body[facts.surface.shell]
-    for piece in closed.tolist():
-        shell = facts.piece_shell[piece]
-        own = facts.surface.points[facts.rank[facts.shell_of_vertex == shell]]
-        start, span = own[np.argmax(own[:, 0])], np.ptp(own, axis=0)
-        # a little off, so that the ray runs along no mesh edge, and toward the middle of the shell
-        start = start + 1e-7 * span * [0.0, 0.414, 0.618 if start[2] < own[:, 2].mean() else -0.618]
-        other = (facts.surface.shell != shell) & (body == facts.body[shell])
-        others = np.flatnonzero(other & (low <= start[2]) & (start[2] <= high))
-        _, face, ahead = meet_faces(facts.surface.points[facts.surface.corners[others]], start[None])
-        if (ahead > 0).any():
-            first = face[np.argmin(np.where(ahead > 0, ahead, np.inf))]
-            hosts[piece] = _piece_of(facts, others[first], facts.slab[piece])
+    """For each void within one slab a piece around it, {piece: piece}; and how many have none."""
+    closed = np.flatnonzero((facts.kinds == "unseen") & facts.void[facts.recount.piece_shell])
+    walls = sorted(facts.walls, key=lambda void: facts.walls[void][1])
+    around = dict(zip(walls, facts.recount.piece_of_cell.tolist()))
+    of_shell = zip(closed.tolist(), facts.recount.piece_shell[closed].tolist())
+    hosts = {piece: around[shell] for piece, shell in of_shell if shell in around}
     return hosts, len(closed) - len(hosts)
-
-
-def _piece_of(facts, face, slab):
-    """The piece that a face (of the ranked surface) belongs to in a slab that it meets."""
-    corners = facts.surface.origin[facts.surface.corners[face]]
-    split = np.flatnonzero(np.isin(facts.split.origin[facts.split.corners], corners).all(axis=1))
-    for side in np.unique(facts.split_sides.of_face[split]).tolist():
-        for end in (facts.split_sides.lower[side], facts.split_sides.upper[side]):
-            piece = facts.piece[facts.recount.piece_of_vertex[end]]
-            if facts.slab[piece] == slab:
-                return int(piece)
-        # a mesh edge that enters or leaves by a contour of this slab
-        for contour, ends, level in (
-            (facts.recount.enters[side], facts.above, slab),
-            (facts.recount.leaves[side], facts.below, slab + 1),
-        ):
-            if contour >= 0 and facts.columns.contours["level"][contour] == level:
-                return int(ends[contour])
-    return _piece_of_crossed(facts, face, slab)
-
-
-def _piece_of_crossed(facts, face, slab):
-    """As :func:`_piece_of` for a face that passes through the slab: its curve at the level below."""
-    level = facts.columns.contours["level"]
-    low, high = facts.surface.corners[face][[0, 2]]
-    spot = cross(
-        facts.surface,
-        np.array([low]),
-        np.array([high]),
-        *(facts.levels[k][[slab]] for k in ("height", "tie_x", "tie_y")),
-    )
-    here = np.flatnonzero((level == slab) & (facts.recount.shell == facts.surface.shell[face]))
-    return int(facts.above[here[np.argmin(shapely.distance(facts.curves.lines(here), shapely.points(spot)[0]))]])
 
 
 def _check_open_holes(facts, ledger, found):
     """Holes between two regions are no matter unless regions that they touch lie in different blocks."""
-    contours = facts.columns.contours
-    alternatives = 0
+    contours, body, alternatives = facts.columns.contours, facts.body[found.shell], 0
     for hole in np.flatnonzero(facts.open_holes).tolist():
-        same = (contours["level"] == contours["level"][hole]) & (
-            facts.body[found.shell] == facts.body[found.shell[hole]]
-        )
-        outers = np.flatnonzero(same & ~np.asarray(contours["inner"], bool))
-        curve, *around = facts.curves.lines([hole, *outers])
-        outers = [c for c, ring in zip(outers.tolist(), around) if _distance(ring, curve) <= facts.noise]
-        blocks = {(int(facts.block_above[r]), int(facts.block_below[r])) for r in contours["region"][outers].tolist()}
-        alternatives += len(blocks) > 1
-    ledger.enter("holes_that_rounding_leaves_open", alternatives, 0)
+        outers = (contours["level"] == contours["level"][hole]) & (body == body[hole]) & ~contours["inner"]
+        curve, *around = facts.curves.lines([hole, *np.flatnonzero(outers)])
+        touched = contours["region"][outers][[_distance(ring, curve) <= facts.noise for ring in around]]
+        blocks = facts.block_above[touched], facts.block_below[touched]
+        alternatives += np.unique(np.stack(blocks), axis=1).shape[1] > 1
+    ledger.enter("holes_that_rounding_leaves_open", int(alternatives), 0)
 
 
 def _distance(outer, curve):

@@ -6,11 +6,13 @@ what it recomputes it leaves in the facts for later checks.
 
 import numpy as np
 
-from ..recount.crossings import cross
-from ..recount.curves import measure_curves, pass_spots, read_curves
+from ..recount.cells import cross
+from ..recount.curves import look, measure_curves, read_curves
 from ..recount.cut_surface import count_below, recount
 from ..recount.elders import essential_points
 from ..recount.exact_levels import ExactLevels
+from ..recount.ranges import list_members
+from ..recount.shells import find_walls
 from ..recount.surface import copies, find_mesh_edges
 from ..recount.unfoldings import Witness, find_folded, list_copies, unfold
 
@@ -20,21 +22,21 @@ ELEMENTARY = {(1, 1): "cylinder", (0, 1): "birth", (1, 0): "death", (2, 1): "joi
 def check_levels(facts, ledger):
     """Levels ascend, and their counts of vertices below are those of their cuts."""
     t = facts.columns.levels
-    height, below = t["height"], t["vertices_below"].astype(np.int64)
-    tie_x = np.array([np.nan if v is None else v for v in t["tie_x"]], float)
-    tie_y = np.array([np.nan if v is None else v for v in t["tie_y"]], float)
-    total = int(facts.surface.weight[-1])
-    ascending = bool((np.diff(height) >= 0).all() and (np.diff(below) >= 0).all())
-    ledger.enter("levels_ascend", ascending, True)
+    height, below, tie_x, tie_y = t["height"], t["vertices_below"].astype(np.int64), t["tie_x"], t["tie_y"]
+    ledger.enter("levels_ascend", bool((np.diff(height) >= 0).all() and (np.diff(below) >= 0).all()), True)
     low, high = count_below(facts.surface, height, tie_x, tie_y)
-    inside = (low <= below) & (below <= high) & (below < total) & (np.isnan(tie_x) == np.isnan(tie_y))
+    inside = (low <= below) & (below <= high) & (below < facts.surface.weight[-1])
+    inside &= np.isnan(tie_x) == np.isnan(tie_y)
     ledger.rows("levels.vertices_below", inside, "vertices that are not above the level")
-    counted = np.bincount(facts.columns.contours["level"], minlength=len(height))
-    ledger.rows("levels.n_contours", t["n_contours"] == counted, "rows of contours")
-    regions = np.bincount(facts.columns.nodes["level"], minlength=len(height))
-    ledger.rows("levels.n_regions", t["n_regions"] == regions, "rows of nodes")
+    rows = {name: getattr(facts.columns, name)["level"] for name in ("contours", "nodes")}
+    counted = {name: np.bincount(level, minlength=len(height)) for name, level in rows.items()}
+    ledger.compare(
+        "levels", t,
+        ("n_contours", counted["contours"], "rows of contours"),
+        ("n_regions", counted["nodes"], "rows of nodes"),
+    )  # fmt: skip
     _check_uniform(facts, ledger, height, np.isnan(tie_x))
-    facts.levels = {"height": height, "below": below, "tie_x": tie_x, "tie_y": tie_y}
+    facts.levels = {"height": height, "below": below, "planes": np.stack([height, tie_x, tie_y], axis=1)}
 
 
 def _check_uniform(facts, ledger, height, plain):
@@ -56,16 +58,21 @@ def check_contours(facts, ledger):
         return
     split, below = _unfold(facts, ledger)
     facts.split, facts.split_sides = split, facts.sides if split is facts.surface else find_mesh_edges(split)
-    anchors = {"level": t["level"].astype(np.int64)}
-    anchors |= {end: t[f"{end}_vertex"].astype(np.int64) for end in ("lower", "upper")}
+    anchors = {end: t[end].astype(np.int64) for end in ("level", "lower_vertex", "upper_vertex")}
+    facts.walls = find_walls(split, below, facts.void, facts.body)
+    asked = np.array(sorted(facts.walls.values(), key=lambda wall: wall[1]), np.int64).reshape(-1, 2).T
     doubled = copies(split).astype(np.int64) - 1
-    facts.recount = found = recount(split, facts.split_sides, facts.levels | {"below": below}, anchors, doubled)
+    levels = facts.levels | {"below": below}
+    facts.recount = found = recount(split, facts.split_sides, levels, anchors, doubled, asked)
     facts.exact = ExactLevels(split, facts.split_sides, below, t["level"], found.side)
     ledger.rows("contours.anchors", found.anchored, "one contour of the mesh per row")
     counted = np.bincount(t["level"], minlength=len(below))
     ledger.rows("contours_per_level", found.n_contours == counted, "components of crossings")
-    ledger.rows("contours.shell", t["shell"] == found.shell, "shell of the faces it crosses")
-    ledger.rows("contours.n_points", np.abs(t["n_points"] - found.n_points) <= found.loose, "mesh edges crossed")
+    ledger.compare(
+        "contours", t,
+        ("shell", found.shell, "shell of the faces it crosses"),
+        ("n_points", found.n_points, "mesh edges crossed", found.loose),
+    )  # fmt: skip
 
 
 def _unfold(facts, ledger):
@@ -85,118 +92,68 @@ def _unfold(facts, ledger):
 def check_curves(facts, ledger):
     """Curves, areas and perimeters are those of the mesh at the level."""
     t, found = facts.columns.contours, facts.recount
-    ledger.rows("contours.height", t["height"] == facts.levels["height"][t["level"]], "height of the level")
     area, perimeter, facts.centres, facts.boxes = measure_curves(*facts.curves)
     facts.drawn_area, facts.drawn_perimeter = area, perimeter
-    slack = facts.noise * (found.perimeter + facts.noise)
-    for name, values, mesh in (("signed_area", area, found.area), ("perimeter", perimeter, found.perimeter)):
-        room = slack + 1e-9 * np.abs(mesh) if name == "signed_area" else 1e-9 * mesh + facts.noise * found.n_points
-        ledger.rows(f"contours.{name}", np.abs(t[name] - mesh) <= room, f"{name} counted on the mesh")
-        ledger.rows(f"contours.geometry.{name}", np.abs(values - mesh) <= room, f"{name} of the curve")
-    _check_positions(facts, ledger, t)
-    _check_gaps(facts, ledger)
-
-
-def _check_gaps(facts, ledger):
-    """Levels lie at most the wanted distance apart."""
-    if facts.distance is None:
-        return
-    z = facts.surface.points[:, 2]
-    gaps = np.diff(np.concatenate([[z[0]], facts.levels["height"], [z[-1]]]))
-    holds = gaps.max() <= facts.distance * (1 + 1e-9) + facts.noise
-    ledger.enter("largest_gap_between_levels", gaps.max(), f"at most {facts.distance:.9g}", holds)
-
-
-def _check_positions(facts, ledger, t):
-    """Every curve passes through the crossing at its anchor."""
-    low, high, level = facts.rank[t["lower_vertex"]], facts.rank[t["upper_vertex"]], t["level"]
-    spots = cross(facts.surface, low, high, *(facts.levels[k][level] for k in ("height", "tie_x", "tie_y")))
-    single = low != high
-    passes = pass_spots(*facts.curves, spots, facts.noise)
-    ledger.rows("contours.position", ~single | passes, "the curve passes its anchor")
+    facts.slack = facts.noise * (found.perimeter + facts.noise)
+    rooms = facts.slack + 1e-9 * np.abs(found.area), 1e-9 * found.perimeter + facts.noise * found.n_points
+    ledger.compare(
+        "contours", t,
+        ("height", facts.levels["height"][t["level"]], "height of the level"),
+        ("signed_area", found.area, "signed_area counted on the mesh", rooms[0]),
+        ("perimeter", found.perimeter, "perimeter counted on the mesh", rooms[1]),
+    )  # fmt: skip
+    ledger.compare(
+        "contours.geometry", {"signed_area": area, "perimeter": perimeter},
+        ("signed_area", found.area, "signed_area of the curve", rooms[0]),
+        ("perimeter", found.perimeter, "perimeter of the curve", rooms[1]),
+    )  # fmt: skip
+    low, high = facts.rank[t["lower_vertex"]], facts.rank[t["upper_vertex"]]
+    spots = cross(facts.surface, low, high, facts.levels["planes"][t["level"]])
+    _, near = look(*facts.curves, np.arange(len(spots)), spots, 2 * facts.noise)
+    ledger.rows("contours.position", (low == high) | (near <= facts.noise), "the curve passes its anchor")
+    if facts.distance is not None:
+        z = facts.surface.points[[0, -1], 2]
+        gap = np.diff(np.concatenate([z[:1], facts.levels["height"], z[1:]])).max()
+        holds = gap <= facts.distance * (1 + 1e-9) + facts.noise
+        ledger.enter("largest_gap_between_levels", gap, f"at most {facts.distance:.9g}", holds)
 
 
 def check_pieces(facts, ledger):
     """One piece per component of cells, with the same contours, shape and measures."""
     t, found = facts.columns.pieces, facts.recount
-    n, n_contours = len(t["piece"]), len(found.anchored)
-    ledger.enter("number_of_pieces", n, len(found.slab))
-    below, above = _bounded_by(t["above"], n_contours), _bounded_by(t["below"], n_contours)
-    ledger.enter("contours_bound_one_piece_each_way", below is not None and above is not None, True)
-    if below is None or above is None:
-        raise ValueError("some contour bounds no piece, or several, on one of its sides")
-    name = _match_pieces(t, found, below, above)
-    met = np.bincount(name[name >= 0], minlength=n) == 1
-    ledger.rows("pieces.contours", met & _ends_agree(name, found, below, above, n), "contours below and above")
-    if not met.all():
-        raise ValueError(f"piece {np.flatnonzero(~met)[0]} of the table is no piece of the mesh")
-    facts.piece, facts.below, facts.above = name, below, above
-    _measure_pieces(facts, np.argsort(name))
-    _check_measures(facts, ledger, t)
-    _check_essential(facts, ledger, t)
-
-
-def _measure_pieces(facts, row):
-    """What is counted of each piece, in the order of the table; row : (P,) the recounted piece of each of its rows."""
-    found = facts.recount
-    ends = facts.piece_ends = tuple(np.bincount(c, minlength=len(row))[row] for c in (found.above, found.below))
-    facts.slab, facts.piece_shell, facts.piece_euler = found.slab[row], found.piece_shell[row], found.euler[row]
-    facts.piece_area, facts.piece_flux = found.piece_area[row], found.flux[row]
-    facts.piece_genus = (2 - sum(ends) - facts.piece_euler) // 2
+    n = len(found.slab)
+    ledger.enter("number_of_pieces", len(t["piece"]), n)
+    row = _match_pieces(t, found)
+    if not np.array_equal(np.sort(row), np.arange(n)):
+        raise ValueError("the table of pieces does not name each piece of the mesh once")
+    ends = list_members(found.above, n), list_members(found.below, n)
+    same = [[below, above] == [end[k] for end in ends] for below, above, k in zip(t["below"], t["above"], row)]
+    ledger.rows("pieces.contours", same, "contours below and above")
+    to_row = np.argsort(row)
+    facts.recount = found = found._replace(
+        **{column: getattr(found, column)[row] for column in ("slab", "piece_shell", "euler", "piece_area", "flux")},
+        **{column: to_row[getattr(found, column)] for column in ("above", "below", "piece_of_vertex", "piece_of_cell")},
+    )
+    ends = facts.piece_ends = tuple(np.bincount(of, minlength=n) for of in (found.above, found.below))
+    facts.piece_genus = (2 - sum(ends) - found.euler) // 2
     facts.kinds = np.array([_kind(*shape) for shape in zip(*(v.tolist() for v in (*ends, facts.piece_genus)))], object)
     facts.elementary = (facts.kinds != "compound") & (facts.kinds != "unseen")
     facts.hidden = int(facts.piece_genus.sum())
+    _check_measures(facts, ledger, t, found)
+    _check_essential(facts, ledger, t, found)
 
 
-def _check_measures(facts, ledger, t):
-    """Columns of the pieces that are counted or measured."""
-    n_below, n_above = facts.piece_ends
-    for column, values in (
-        ("slab", facts.slab), ("shell", facts.piece_shell), ("n_below", n_below), ("n_above", n_above),
-        ("euler_characteristic", facts.piece_euler), ("genus", facts.piece_genus), ("kind", facts.kinds),
-    ):  # fmt: skip
-        ledger.rows(f"pieces.{column}", t[column] == values, f"{column} counted on the mesh")
-    odd = ((n_below + n_above + facts.piece_euler) % 2).sum() + (facts.piece_genus < 0).sum()
-    ledger.enter("genus_of_pieces_is_whole", int(odd), 0)
-    for column, values, noise in (
-        ("area", facts.piece_area, facts.area_noise),
-        ("flux", facts.piece_flux, facts.volume_noise),
-    ):
-        room = noise + 1e-7 * np.abs(values)
-        ledger.rows(f"pieces.{column}", np.abs(t[column] - values) <= room, f"{column} of its cells")
-
-
-def _bounded_by(lists, n_contours):
-    """The row whose list each contour is in, or None unless it is in exactly one."""
-    flat = np.array([c for members in lists for c in members], np.int64)
-    rows = np.repeat(np.arange(len(lists)), [len(members) for members in lists])
-    if not np.array_equal(np.bincount(flat, minlength=n_contours), np.ones(n_contours, int)):
-        return None
-    out = np.empty(n_contours, np.int64)
-    out[flat] = rows
-    return out
-
-
-def _match_pieces(t, found, below, above):
-    """The row of each recounted piece: by a contour, or by shell where it has none."""
-    name = np.full(len(found.slab), -1)
-    name[found.below], name[found.above] = below, above
-    closed = {
-        int(t["shell"][row]): row for row in range(len(t["piece"])) if not t["below"][row] and not t["above"][row]
-    }
-    for piece in np.flatnonzero(name < 0).tolist():
-        name[piece] = closed.get(int(found.piece_shell[piece]), -1)
-    return name
-
-
-def _ends_agree(name, found, below, above, n):
-    """Rows whose every contour bounds the piece that the mesh says."""
-    holds = np.ones(n, bool)
-    for ends, rows in ((found.below, below), (found.above, above)):
-        wrong = name[ends] != rows
-        holds[rows[wrong]] = False
-        holds[name[ends[wrong]]] = False
-    return holds
+def _match_pieces(t, found):
+    """The recounted piece of each row of the table, -1 for none: by a contour, or by shell where it has none."""
+    closed = np.setdiff1d(np.arange(len(found.slab)), np.concatenate([found.above, found.below]))
+    of_shell = dict(zip(found.piece_shell[closed].tolist(), closed.tolist()))
+    rows = zip(t["below"], t["above"], t["shell"].tolist())
+    return np.array(
+        [
+            found.above[below[0]] if below else found.below[above[0]] if above else of_shell.get(shell, -1)
+            for below, above, shell in rows
+        ]
+    )
 
 
 def _kind(n_below, n_above, genus):
@@ -206,24 +163,36 @@ def _kind(n_below, n_above, genus):
     return ELEMENTARY.get((n_below, n_above), "compound") if genus == 0 else "compound"
 
 
-def _check_essential(facts, ledger, t):
+def _check_measures(facts, ledger, t, found):
+    """Columns of the pieces that are counted or measured."""
+    n_below, n_above = facts.piece_ends
+    counted = {
+        "slab": found.slab, "shell": found.piece_shell, "n_below": n_below, "n_above": n_above,
+        "euler_characteristic": found.euler, "genus": facts.piece_genus, "kind": facts.kinds,
+    }  # fmt: skip
+    rooms = facts.area_noise + 1e-7 * found.piece_area, facts.volume_noise + 1e-7 * np.abs(found.flux)
+    ledger.compare(
+        "pieces", t,
+        *((name, values, f"{name} counted on the mesh") for name, values in counted.items()),
+        ("area", found.piece_area, "area of its cells", rooms[0]),
+        ("flux", found.flux, "flux of its cells", rooms[1]),
+    )  # fmt: skip
+    odd = ((n_below + n_above + found.euler) % 2).sum() + (facts.piece_genus < 0).sum()
+    ledger.enter("genus_of_pieces_is_whole", int(odd), 0)
+
+
+def _check_essential(facts, ledger, t, found):
     """The essential critical points of each piece, by the elder rule once more."""
-    count, pairs = essential_points(facts.split, facts.split_sides, facts.recount)
-    z = facts.split.points[:, 2]
-    facts.cancelled = np.abs(z[pairs[:, 0]] - z[pairs[:, 1]])  # what the graph does not show, in mesh units
+    split = facts.split
+    count, pairs = essential_points(split, facts.split_sides, found)
+    facts.cancelled = np.abs(np.diff(split.points[pairs, 2]))  # what the graph does not show, in mesh units
     vertices = np.repeat(np.arange(len(count)), count)
-    members = [[] for _ in t["piece"]]
-    for vertex, piece in zip(vertices.tolist(), facts.piece[facts.recount.piece_of_vertex[vertices]].tolist()):
-        members[piece].append(int(facts.split.origin[vertex]))
-    ledger.rows(
-        "pieces.critical", [a == b for a, b in zip(t["critical"], members)], "vertices that the elder rule leaves"
-    )
+    members = list_members(found.piece_of_vertex[vertices], len(found.slab), split.origin[vertices])
+    ledger.compare("pieces", t, ("critical", members, "vertices that the elder rule leaves"))
     ledger.enter("sum_of_vertex_indices", int((1 - facts.surface.changes // 2).sum()), facts.euler)
-    ranks = [rank for ranks in t["critical_ranks"] for rank in ranks]
-    decoded = _surface_vertices(facts, np.array(ranks, np.int64))
-    flat = [vertex for vertices in t["critical"] for vertex in vertices]
-    lengths = [len(a) == len(b) for a, b in zip(t["critical"], t["critical_ranks"])]
-    same = all(lengths) and decoded.tolist() == flat and len(set(ranks)) == len(ranks)
+    ranks, stated = (np.array([v for row in t[name] for v in row], np.int64) for name in ("critical_ranks", "critical"))
+    same = [len(a) == len(b) for a, b in zip(t["critical"], t["critical_ranks"])]
+    same = all(same) and np.array_equal(_surface_vertices(facts, ranks), stated) and len(np.unique(ranks)) == len(ranks)
     ledger.enter("pieces.critical_ranks", bool(same), True)
 
 

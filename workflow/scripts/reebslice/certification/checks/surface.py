@@ -7,7 +7,7 @@ what it recomputes it leaves in the facts for later checks.
 import numpy as np
 
 from ..recount.components import find_components
-from ..recount.measures import label_vertices, largest_terms, least_rise, measure_shells
+from ..recount.measures import find_least_rise, measure_shells
 from ..recount.shells import find_around, find_body, find_parent
 from ..recount.surface import copies, count_links, find_mesh_edges, rank_surface
 
@@ -15,7 +15,7 @@ from ..recount.surface import copies, count_links, find_mesh_edges, rank_surface
 def check_mesh(facts, ledger):
     """The surface is closed and oriented, and its shells are as the table says."""
     t = facts.columns
-    facts.points, facts.faces = [t.vertices[axis] for axis in "xyz"], [t.faces[corner] for corner in "abc"]
+    facts.points, facts.faces = tuple(t.vertices[axis] for axis in "xyz"), tuple(t.faces[corner] for corner in "abc")
     facts.rotation = np.asarray(facts.tilt["rotation"], float)
     facts.surface, facts.rank = rank_surface(facts.points, facts.rotation, facts.faces, t.faces["shell"])
     facts.sides = find_mesh_edges(facts.surface)
@@ -25,60 +25,46 @@ def check_mesh(facts, ledger):
     # offsets and areas of this size are lost in the rounding of coordinates
     reach = float(max(facts.surface.points.max(), -facts.surface.points.min()))
     facts.noise = 64 * np.finfo(float).eps * reach
-    _check_links(facts, ledger)
+    links = count_links(facts.surface, facts.sides)
+    ledger.enter("vertices_with_one_link", int((links == 1).sum()), len(links))
     _check_shells(facts, ledger)
-
-
-def _check_links(facts, ledger):
-    """Every vertex has one link cycle: corners around it are joined across mesh edges."""
-    n, sides = len(facts.rank), facts.sides
-    links = count_links(facts.surface.corners, sides.of_face, sides.faces, n)
-    ledger.enter("vertices_with_one_link", int((links == 1).sum()), n)
 
 
 def _check_shells(facts, ledger):
     """Shells are the components of the surface, with their counts, measures and nesting."""
-    t, n = facts.columns, len(facts.rank)
-    count = len(t.shells["shell"])
-    n_parts, _ = find_components(facts.sides.lower, facts.sides.upper, n)
-    shell = t.faces["shell"]  # in the order of `faces`
-    facts.n_shells = count
-    label, agree = label_vertices(facts.surface.corners, facts.surface.shell, n)
-    facts.shell_of_vertex = label[facts.rank]
-    same = bool(agree) and n_parts == count == np.count_nonzero(np.bincount(label))
+    t, n, shell = facts.columns.shells, len(facts.rank), facts.columns.faces["shell"]
+    facts.n_shells = count = len(t["shell"])
+    n_parts, part = find_components(facts.sides.lower, facts.sides.upper, n)
+    of_face, shell_of_part = part[facts.surface.corners[:, 0]], np.zeros(n_parts, np.int64)
+    shell_of_part[of_face] = facts.surface.shell
+    same = n_parts == count == len(np.unique(shell_of_part))
+    same = same and np.array_equal(shell_of_part[of_face], facts.surface.shell)
     ledger.enter("shells_are_components", same, True)
-    n_vertices = np.bincount(facts.shell_of_vertex, minlength=count)
-    n_faces = np.bincount(shell, minlength=count)
-    euler = n_vertices - n_faces // 2  # 3 F = 2 E
-    facts.shell_euler, facts.shell_genus = euler, (2 - euler) // 2
-    columns = (
-        ("n_vertices", n_vertices),
-        ("n_faces", n_faces),
-        ("euler_characteristic", euler),
-        ("genus", facts.shell_genus),
-    )
-    for name, values in columns:
-        ledger.rows(f"shells.{name}", t.shells[name] == values, f"{name} counted on the mesh")
-    _check_shell_measures(facts, ledger, shell, count)
-    facts.euler, facts.genus = int(euler.sum()), int(facts.shell_genus.sum())
-    facts.voids = int(facts.void.sum())
-    facts.betti = [count - facts.voids, facts.genus, facts.voids]
-
-
-def _check_shell_measures(facts, ledger, shell, count):
-    """Areas, volumes, voids and bodies of the shells."""
-    t = facts.columns
+    facts.shell_of_vertex = shell_of_part[part][facts.rank]
+    n_vertices, n_faces = (np.bincount(of, minlength=count) for of in (facts.shell_of_vertex, shell))
+    facts.shell_euler = n_vertices - n_faces // 2  # 3 F = 2 E
+    facts.shell_genus = (2 - facts.shell_euler) // 2
     areas, volumes = measure_shells(facts.points, facts.faces, shell, count)
     facts.area, facts.volume = float(areas.sum()), float(volumes.sum())
     extent = float(np.linalg.norm([np.ptp(column) for column in facts.points]))
     facts.area_noise = 1e-11 * facts.area + facts.noise * extent
     facts.volume_noise = 1e-11 * facts.area * extent + facts.noise * facts.area
-    ledger.rows("shells.area", np.abs(t.shells["area"] - areas) <= facts.area_noise, "area summed over the faces")
-    ledger.rows("shells.volume", np.abs(t.shells["volume"] - volumes) <= facts.volume_noise, "volume by divergence")
+    facts.void = t["void"]
     sure = np.abs(volumes) > facts.volume_noise
-    facts.void = np.asarray(t.shells["void"], bool)
-    ledger.rows("shells.void", ~sure | (facts.void == (volumes < 0)), "a void is a shell of negative volume")
+    ledger.compare(
+        "shells", t,
+        ("n_vertices", n_vertices, "n_vertices counted on the mesh"),
+        ("n_faces", n_faces, "n_faces counted on the mesh"),
+        ("euler_characteristic", facts.shell_euler, "euler_characteristic counted on the mesh"),
+        ("genus", facts.shell_genus, "genus counted on the mesh"),
+        ("area", areas, "area summed over the faces", facts.area_noise),
+        ("volume", volumes, "volume by divergence", facts.volume_noise),
+        ("void", np.where(sure, volumes < 0, facts.void), "a void is a shell of negative volume"),
+    )  # fmt: skip
     _check_nesting(facts, ledger, shell, np.abs(volumes))
+    facts.euler, facts.genus = int(facts.shell_euler.sum()), int(facts.shell_genus.sum())
+    facts.voids = int(facts.void.sum())
+    facts.betti = [count - facts.voids, facts.genus, facts.voids]
 
 
 def _check_nesting(facts, ledger, shell, size):
@@ -87,9 +73,8 @@ def _check_nesting(facts, ledger, shell, size):
     crossing = bool(facts.inspection.get("body_crossings"))
     around, unsure = find_around(facts.points, facts.faces, shell, facts.n_shells, crossing)
     parent, is_open = find_parent(around, unsure, size)
-    stated = np.array([-1 if p is None else p for p in t["parent"]], np.int64)
-    ledger.rows("shells.parent", is_open | (stated == parent), "the smallest shell around it")
-    facts.open["shells of unsure parent"] = (is_open & (stated != parent)).sum()
+    ledger.rows("shells.parent", is_open | (t["parent"] == parent), "the smallest shell around it")
+    facts.open["shells of unsure parent"] = (is_open & (t["parent"] != parent)).sum()
     body = facts.body = t["body"].astype(np.int64)
     holds = (body == np.arange(facts.n_shells)) | facts.void
     for void in np.flatnonzero(facts.void).tolist():
@@ -109,32 +94,22 @@ def check_tilt(facts, ledger):
     ledger.close("tilt.rotation_is_proper", np.linalg.det(rotation), 1.0, 1e-12)
     angle = np.degrees(np.arctan2(np.hypot(*direction[:2]), direction[2]))
     ledger.close("tilt.angle", float(facts.tilt.get("angle", np.nan)), angle, 1e-6)
-    facts.least_rise = float(least_rise(facts.surface.points, facts.sides.lower, facts.sides.upper))
     _check_morse(facts, ledger, direction)
 
 
 def _check_morse(facts, ledger, direction):
     """Morse beyond rounding only if no mesh edge is horizontal to within rounding."""
-    unit = np.finfo(float).eps / 2
+    least = find_least_rise(facts.surface.points, facts.sides.lower, facts.sides.upper)
+    terms = sum(np.abs(part * column) for part, column in zip(direction, facts.points))
     # each height is three products and two sums; along an axis nothing rounds
-    exact = np.count_nonzero(direction) == 1
-    rounding = 0.0 if exact else 6 * unit * float(largest_terms(*facts.points, direction))
-    word = "proven" if facts.least_rise > rounding else "by_sos"
-    ledger.enter("tilt.morse", facts.tilt.get("morse"), word)
+    rounding = 0.0 if np.count_nonzero(direction) == 1 else 3 * np.finfo(float).eps * float(terms.max())
+    ledger.enter("tilt.morse", facts.tilt.get("morse"), "proven" if least > rounding else "by_sos")
     margin = facts.tilt.get("margin")
-    holds = isinstance(margin, (int, float)) and abs(margin - facts.least_rise) <= rounding
-    ledger.enter(
-        "tilt.margin", margin, facts.least_rise, holds, "" if holds else "It is not the smallest rise over a mesh edge."
-    )
+    holds = isinstance(margin, (int, float)) and abs(margin - least) <= rounding
+    ledger.enter("tilt.margin", margin, least, holds, "" if holds else "It is not the smallest rise over a mesh edge.")
     index = facts.surface.index
-    counts = {
-        "minima": int((index == 0).sum()),
-        "saddles": int(copies(facts.surface)[index == 1].sum()),
-        "maxima": int((index == 2).sum()),
-    }
+    minima, maxima = (int((index == extreme).sum()) for extreme in (0, 2))
+    saddles = int(copies(facts.surface)[index == 1].sum())
+    counts = {"minima": minima, "saddles": saddles, "maxima": maxima}
     ledger.enter("tilt.critical", facts.tilt.get("critical"), counts)
-    ledger.enter(
-        "critical points on the mesh: #0 - #1 + #2",
-        counts["minima"] - counts["saddles"] + counts["maxima"],
-        facts.euler,
-    )
+    ledger.enter("critical points on the mesh: #0 - #1 + #2", minima - saddles + maxima, facts.euler)

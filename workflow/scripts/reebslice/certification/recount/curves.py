@@ -6,6 +6,7 @@ import numpy as np
 import shapely
 
 from ...kernels import njit
+from .ranges import expand_ranges
 
 # Of a plain line string as well-known binary: little-endian, its type, the number of points, then the points.
 HEAD = np.frombuffer(b"\x01\x02\x00\x00\x00", np.uint8)
@@ -32,11 +33,8 @@ class Curves(NamedTuple):
         index : (N,) int
             Of each point the place of its curve in `rows`.
         """
-        sizes = self.first[rows + 1] - self.first[rows]
-        if len(rows) and (np.diff(rows) == 1).all():
-            return self.points[self.first[rows[0]] : self.first[rows[-1] + 1]], np.repeat(np.arange(len(rows)), sizes)
-        index = np.repeat(np.arange(len(rows)), sizes)
-        return self.points[np.arange(len(index)) + (self.first[rows] - np.cumsum(sizes) + sizes)[index]], index
+        index, place = expand_ranges(self.first[rows], self.first[rows + 1])
+        return self.points[place], index
 
     def lines(self, rows):
         """Make line strings of some of the curves.
@@ -105,17 +103,12 @@ def _copy_points(data, offsets, counts, out, drawn):
         end += POINT * count
 
 
-@njit
 def _are_closed(points, first):
     """Whether each curve ends where it began and has only finite coordinates, (C,)."""
-    closed = np.zeros(len(first) - 1, np.bool_)
-    for c in range(len(closed)):
-        begin, end = first[c], first[c + 1] - 1
-        total = 0.0
-        for k in range(begin, end + 1):
-            total += 0.0 * points[k, 0] * points[k, 1]  # not a number if either is infinite or none
-        same = end > begin and points[begin, 0] == points[end, 0] and points[begin, 1] == points[end, 1]
-        closed[c] = same and total == 0.0
+    closed = np.diff(first) > 1
+    closed[closed] = (points[first[:-1][closed]] == points[first[1:][closed] - 1]).all(axis=1)
+    odd = np.flatnonzero(~np.isfinite(points.ravel())) // 2
+    closed[np.searchsorted(first, odd, side="right") - 1] = False
     return closed
 
 
@@ -159,46 +152,39 @@ def measure_curves(points, first):
 
 
 @njit
-def distance_between(px, py, qx, qy):
-    """Measure the distance from the origin to a segment.
-
-    Parameters
-    ----------
-    px, py, qx, qy : float
-        The ends of the segment.
-
-    Returns
-    -------
-    float
-    """
-    dx, dy = qx - px, qy - py
-    length = dx * dx + dy * dy
-    share = min(max(-(px * dx + py * dy) / length, 0.0), 1.0) if length > 0 else 0.0
-    return np.hypot(px + share * dx, py + share * dy)
-
-
-@njit
-def pass_spots(points, first, spots, room):
-    """Tell whether each curve comes as near as `room` to its spot.
+def look(points, first, curve, spots, reach):
+    """Look at a closed curve from each of some spots.
 
     Parameters
     ----------
     points, first
         Of :class:`Curves`.
-    spots : (C, 2) float64
-    room : float
+    curve : (q,) int
+        The curve that each spot looks at.
+    spots : (q, 2) float64
+    reach : float
+        How far to look: what is further away is told to be this far.
 
     Returns
     -------
-    (C,) bool
+    inside : (q,) bool
+    near : (q,) float64
+        The distance to the curve.
     """
-    passes = np.zeros(len(spots), np.bool_)
-    for c in range(len(spots)):
-        x, y = spots[c, 0], spots[c, 1]
-        for k in range(first[c], first[c + 1] - 1):
-            px, py, qx, qy = points[k, 0] - x, points[k, 1] - y, points[k + 1, 0] - x, points[k + 1, 1] - y
-            apart = min(px, qx) > room or max(px, qx) < -room or min(py, qy) > room or max(py, qy) < -room
-            if not apart and distance_between(px, py, qx, qy) <= room:
-                passes[c] = True
-                break
-    return passes
+    inside, nearest = np.zeros(len(spots), np.bool_), np.full(len(spots), reach)
+    for i in range(len(spots)):
+        x, y, near = spots[i, 0], spots[i, 1], reach
+        for k in range(first[curve[i]], first[curve[i] + 1] - 1):
+            py, qy = points[k, 1] - y, points[k + 1, 1] - y
+            if min(py, qy) > near or max(py, qy) < -near:
+                continue  # neither near nor across the ray along +x
+            px, qx = points[k, 0] - x, points[k + 1, 0] - x
+            dx, dy = qx - px, qy - py
+            if (py > 0) != (qy > 0) and px - py * dx / dy > 0:
+                inside[i] = not inside[i]
+            if min(px, qx) < near and max(px, qx) > -near:
+                length = dx * dx + dy * dy
+                share = min(max(-(px * dx + py * dy) / length, 0.0), 1.0) if length > 0 else 0.0
+                near = min(near, np.hypot(px + share * dx, py + share * dy))
+        nearest[i] = near
+    return inside, nearest

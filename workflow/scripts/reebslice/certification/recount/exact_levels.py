@@ -9,6 +9,8 @@ from fractions import Fraction
 
 import numpy as np
 
+from .links import smallest_tilt, whole_points
+
 SPOTS = 5  # points of a contour that are looked at
 
 
@@ -32,7 +34,7 @@ class ExactLevels:
 
         Returns
         -------
-        list of (Fraction, Fraction)
+        list of [Fraction, Fraction]
         """
         if contour not in self.known:
             self.tilt = self.tilt or smallest_tilt(self.surface.points)
@@ -81,47 +83,21 @@ class ExactLevels:
         face = one if (sides.of_face[one, 2] == start) == self.surface.even[one] else two
         while not found or side != start:
             found.append(side)
-            ab, bc, ac = (int(s) for s in sides.of_face[face])
+            ab, bc, ac = sides.of_face[face].tolist()
             across = ab if self.surface.corners[face, 1] >= cut else bc
             side = across if side == ac else ac
-            one, two = sides.faces[side].tolist()
-            face = two if face == one else one
+            face = int(sides.faces[side].sum()) - face
         return found
 
     def _locate(self, crossed, cut):
         """Where mesh edges meet the tilted plane just below rank `cut`."""
-        spots, tilt = [], self.tilt
-        known = {}
-
-        def vertex(v):
-            if v not in known:
-                x, y, z = (Fraction(float(c)) for c in self.surface.points[v])
-                known[v] = x, y, z + tilt * (x + tilt * y)
-            return known[v]
-
-        plane = (vertex(cut - 1)[2] + vertex(cut)[2]) / 2
-        for p, q in zip(self.sides.lower[crossed].tolist(), self.sides.upper[crossed].tolist()):
-            (px, py, ph), (qx, qy, qh) = vertex(p), vertex(q)
-            up, down = (plane - ph, qh - plane) if ph != qh else (1, 1)
-            spots.append(((px * down + qx * up) / (up + down), (py * down + qy * up) / (up + down)))
+        ends = np.concatenate([[cut - 1, cut], self.sides.lower[crossed], self.sides.upper[crossed]])
+        unit, ((_, _, floor), (_, _, roof), *ends) = whole_points(self.surface.points[ends], self.tilt)
+        plane, spots = floor + roof, []  # twice its height
+        for (px, py, ph), (qx, qy, qh) in zip(ends[: len(crossed)], ends[len(crossed) :]):
+            up, down = (plane - 2 * ph, 2 * qh - plane) if ph != qh else (1, 1)
+            spots.append([Fraction(p * down + q * up, unit * (up + down)) for p, q in ((px, qx), (py, qy))])
         return spots
-
-
-def smallest_tilt(points):
-    """Find a tilt small enough that it changes the order of no two points.
-
-    Parameters
-    ----------
-    points : (n, 3) float64
-
-    Returns
-    -------
-    Fraction
-        Steps of height outweigh the tilt along x, and steps of x that along y, twice over.
-    """
-    dx, dz = (np.diff(np.unique(points[:, axis])).min() for axis in (0, 2))
-    x, y = np.abs(points[:, :2]).max(axis=0)
-    return Fraction(1, 2 ** max(3, int(np.ceil(3 + np.log2(max((x + y) / dz, y / dx))))))
 
 
 def _middle(ring, start):

@@ -11,6 +11,7 @@ from typing import NamedTuple
 import numpy as np
 
 from .components import find_components
+from .ranges import list_members
 
 
 class GraphParts(NamedTuple):
@@ -55,10 +56,30 @@ def find_blocks(piece_above, piece_below, region, n_pieces, n_regions, hosts):
     return part[:n_pieces], part[n_pieces : n_pieces + n_regions], part[n_pieces + n_regions :], n
 
 
-def counts(parts):
-    """Items below and above every part, two (P,) int."""
-    n = len(parts.joints)
-    return np.bincount(parts.above, minlength=n), np.bincount(parts.below, minlength=n)
+def list_items(parts):
+    """List the items below and above each of some :class:`GraphParts`: two lists of lists."""
+    return list_members(parts.above, len(parts.joints)), list_members(parts.below, len(parts.joints))
+
+
+def find_chains(above, below, plain):
+    """Find the chains of items that plain parts hold together, one on top of the other.
+
+    Parameters
+    ----------
+    above, below : (I,) int
+        The part on either side of each item.
+    plain : (P,) bool
+        The parts with one item below and one above that are passed.
+
+    Returns
+    -------
+    count : int
+    chain : (I,) int
+        Of each item.
+    """
+    low, high = np.full(len(plain), -1), np.full(len(plain), -1)
+    low[above] = high[below] = np.arange(len(above))
+    return find_components(low[plain], high[plain], len(above))
 
 
 def find_arcs(parts, level):
@@ -77,14 +98,10 @@ def find_arcs(parts, level):
     odd : (k,) int
         The parts that are neither a joint nor a plain continuation; no arc can pass those.
     """
-    n_below, n_above = counts(parts)
     has = np.array([bool(joints) for joints in parts.joints], bool)
+    n_below, n_above = (np.bincount(of, minlength=len(has)) for of in (parts.above, parts.below))
     odd = ~has & ((n_below != 1) | (n_above != 1))
-    plain = ~has & ~odd
-    items = np.arange(len(level))
-    low, high = np.full(len(has), -1), np.full(len(has), -1)
-    low[parts.above], high[parts.below] = items, items  # one each where plain
-    n, chain = find_components(low[plain], high[plain], len(items))
+    n, chain = find_chains(parts.above, parts.below, ~has & ~odd)
     order = np.lexsort((level, chain))
     runs = np.split(order, np.searchsorted(chain[order], np.arange(1, n))) if n else []
     ends = [(int(parts.below[run[0]]), int(parts.above[run[-1]])) for run in runs]
@@ -118,13 +135,8 @@ def find_augmented_edges(parts, operations):
     list of (str, str, str)
         Two nodes and the operation; sorted.
     """
-    n = len(parts.joints)
-    below, above = [[] for _ in range(n)], [[] for _ in range(n)]
-    for item, (low, high) in enumerate(zip(parts.above.tolist(), parts.below.tolist())):
-        below[low].append(item)
-        above[high].append(item)
     edges = []
-    for lower, upper, joints in zip(below, above, parts.joints):
+    for lower, upper, joints in zip(*list_items(parts), parts.joints):
         if not joints:
             edges += [(f"n{a}", f"n{b}", "continuation") for a in lower for b in upper]
             continue
@@ -149,7 +161,7 @@ def count_loops(n_nodes, pairs):
         First Betti number.
     component : (n_nodes,) int
     """
-    n, part = count_components(n_nodes, pairs)
+    n, part = find_components(*np.asarray(pairs, np.int64).reshape(-1, 2).T, n_nodes)
     return len(pairs) - n_nodes + n, part
 
 
@@ -165,25 +177,8 @@ def neighbours(graph):
 def find_parts(graph):
     """The connected components of a :class:`graphml.ReadGraph`: sets of names."""
     place = {node: k for k, node in enumerate(graph.nodes)}
-    n, part = count_components(len(place), [(place[a], place[b]) for a, b, *_ in graph.edges])
-    parts = [set() for _ in range(n)]
+    _, part = count_loops(len(place), [(place[a], place[b]) for a, b, *_ in graph.edges])
+    parts = [set() for _ in range(part.max(initial=-1) + 1)]
     for node, k in zip(place, part.tolist()):
         parts[k].add(node)
     return parts
-
-
-def count_components(n_nodes, pairs):
-    """Find the components of a graph.
-
-    Parameters
-    ----------
-    n_nodes : int
-    pairs : list of (int, int)
-        Its edges.
-
-    Returns
-    -------
-    count : int
-    component : (n_nodes,) int
-    """
-    return find_components(*np.asarray(pairs, np.int64).reshape(-1, 2).T, n_nodes)

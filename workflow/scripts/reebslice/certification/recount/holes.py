@@ -9,6 +9,7 @@ import numpy as np
 import shapely
 
 from ...kernels import njit
+from .curves import look
 
 
 class ContourNesting:
@@ -178,7 +179,7 @@ def find_parents(nest):
 
 @njit
 def _find_near(order, boxes, level, size, slack, room):
-    """Pairs (contour, other) of one level, other not smaller, with boxes that meet or lie in one another.
+    """Pairs (contour, other) of one level, other not smaller, with boxes no further apart than `room`.
 
     order : the contours by level and then by the lower x of their boxes
     """
@@ -188,12 +189,10 @@ def _find_near(order, boxes, level, size, slack, room):
             i, j = order[place], order[following]
             if level[j] != level[i] or boxes[j, 0] > boxes[i, 2] + room:
                 break
+            if boxes[j, 1] > boxes[i, 3] + room or boxes[i, 1] > boxes[j, 3] + room:
+                continue
             for a, b in ((i, j), (j, i)):
-                around = boxes[b, 0] <= boxes[a, 0] + room and boxes[b, 1] <= boxes[a, 1] + room
-                around = around and boxes[b, 2] >= boxes[a, 2] - room and boxes[b, 3] >= boxes[a, 3] - room
-                meet = boxes[b, 0] <= boxes[a, 2] and boxes[b, 1] <= boxes[a, 3]
-                meet = meet and boxes[b, 2] >= boxes[a, 0] and boxes[b, 3] >= boxes[a, 1]
-                if (around or meet) and size[b] >= size[a] - slack[b] - slack[a]:
+                if size[b] >= size[a] - slack[b] - slack[a]:
                     one.append(a)
                     two.append(b)
     return np.array(one), np.array(two)
@@ -201,34 +200,14 @@ def _find_near(order, boxes, level, size, slack, room):
 
 @njit
 def _count_inside(points, first, contour, other, room):
-    """Of the middles of some 64 segments of one closed curve further than `room` from another, how many are inside.
+    """Of the middles of some 64 segments of a closed curve further than `room` from another: (inside it, all).
 
-    points : (N, 2) corners of all curves; first : (C + 1,) where each begins.
-    Returns (how many are inside, how many are that far). Rounding cannot move
-    any of those to the other side.
+    Rounding cannot move any of those to the other side.
     """
-    inside, clear = 0, 0
-    for k in range(first[contour], first[contour + 1] - 1, max(1, (first[contour + 1] - first[contour] - 1) // 64)):
-        x, y = (points[k, 0] + points[k + 1, 0]) / 2, (points[k, 1] + points[k + 1, 1]) / 2
-        near, within = False, False
-        for i in range(first[other], first[other + 1] - 1):
-            py, qy = points[i, 1] - y, points[i + 1, 1] - y
-            if min(py, qy) > room or max(py, qy) < -room:
-                continue  # neither near nor across the ray along +x
-            px, qx = points[i, 0] - x, points[i + 1, 0] - x
-            if max(px, qx) < -room:
-                continue
-            dx, dy = qx - px, qy - py
-            length = dx * dx + dy * dy
-            share = min(max(-(px * dx + py * dy) / length, 0.0), 1.0) if length > 0 else 0.0
-            if np.hypot(px + share * dx, py + share * dy) <= room:
-                near = True
-                break
-            if (py > 0) != (qy > 0) and px - py * dx / dy > 0:
-                within = not within
-        inside += within and not near
-        clear += not near
-    return inside, clear
+    begin, end = first[contour], first[contour + 1] - 1
+    some = np.arange(begin, end, max(1, (end - begin) // 64))
+    inside, near = look(points, first, np.full(len(some), other), (points[some] + points[some + 1]) / 2, room)
+    return (inside & (near == room)).sum(), (near == room).sum()
 
 
 def _polygon(curve):

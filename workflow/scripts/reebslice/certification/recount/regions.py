@@ -5,8 +5,8 @@ from typing import NamedTuple
 import numpy as np
 import shapely
 
-from ...kernels import njit
-from .curves import Curves, distance_between
+from .curves import Curves, look
+from .ranges import expand_ranges
 from .shared_areas import find_chains, share_areas
 
 POINTS_AT_ONCE = 100_000
@@ -90,9 +90,7 @@ def build_polygons(regions, rows):
     (k,) shapely.Polygon
         Mended ones as they are now, empty ones without an outer curve.
     """
-    counts = regions.begin[rows + 1] - regions.begin[rows]
-    index = np.repeat(np.arange(len(rows)), counts)
-    place = np.arange(len(index)) + (regions.begin[rows] - np.cumsum(counts) + counts)[index]
+    index, place = expand_ranges(regions.begin[rows], regions.begin[rows + 1])
     index, place = index[regions.turn[place] != 0], place[regions.turn[place] != 0]
     out = np.full(len(rows), shapely.Polygon(), object)
     if len(index):
@@ -141,33 +139,13 @@ def look_around(regions, spots):
     near, edge : (R,) float64
         Distance to the region's contours, and to its outline, which is without those that bound nothing.
     """
-    bounds, curves = regions.turn != 0, regions.curves
-    inside, near, edge = _look_around(
-        curves.points, curves.first, regions.contour, regions.begin, bounds, np.ascontiguousarray(spots)
-    )
+    bounds, begin = regions.turn != 0, regions.begin[:-1]
+    region = np.repeat(np.arange(len(spots)), np.diff(regions.begin))
+    within, far = look(*regions.curves, regions.contour, spots[region], np.inf)
+    inside = np.bincount(region, within & bounds, len(spots)) % 2 == 1
+    near, edge = (np.minimum.reduceat(distance, begin) for distance in (far, np.where(bounds, far, np.inf)))
     broken = np.flatnonzero(regions.broken)
     polygons = build_polygons(regions, broken)
     inside[broken] = shapely.contains_xy(polygons, spots[broken])
     edge[broken] = np.nan_to_num(shapely.distance(shapely.boundary(polygons), shapely.points(spots[broken])))
     return inside, near, edge
-
-
-@njit
-def _look_around(points, first, contour, begin, bounds, spots):
-    """As :func:`look_around`, by contours as they are drawn."""
-    n = len(spots)
-    inside, nearest, edge = np.zeros(n, np.bool_), np.full(n, np.inf), np.full(n, np.inf)
-    for r in range(n):
-        x, y = spots[r, 0], spots[r, 1]
-        for place in range(begin[r], begin[r + 1]):
-            c, near = contour[place], np.inf
-            for k in range(first[c], first[c + 1] - 1):
-                px, py, qx, qy = points[k, 0] - x, points[k, 1] - y, points[k + 1, 0] - x, points[k + 1, 1] - y
-                if bounds[place] and (py > 0) != (qy > 0) and px - py * (qx - px) / (qy - py) > 0:
-                    inside[r] = not inside[r]
-                if min(px, qx) < near and max(px, qx) > -near and min(py, qy) < near and max(py, qy) > -near:
-                    near = min(near, distance_between(px, py, qx, qy))
-            nearest[r] = min(nearest[r], near)
-            if bounds[place]:
-                edge[r] = min(edge[r], near)
-    return inside, nearest, edge

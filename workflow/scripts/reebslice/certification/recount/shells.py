@@ -169,3 +169,38 @@ def find_body(around, void, size, one):
         elif opened:
             opened.pop()
     return opened[-1] if opened else -1
+
+
+def find_walls(surface, below, void, body):
+    """Find what is around each void that lies between two consecutive levels, by a ray along +x.
+
+    Parameters
+    ----------
+    surface : Ranked
+        Unfolded.
+    below : (K,) int
+        Its vertices below each level.
+    void, body : (s,) bool and int
+        Of each shell.
+
+    Returns
+    -------
+    dict
+        {void: (face of its body that the ray meets first, slab)}; a void that no such face is around is not in it.
+    """
+    walls, shell = {}, surface.shell
+    for one in np.flatnonzero(void).tolist():
+        corners = np.unique(surface.corners[shell == one])
+        slab, last = np.searchsorted(below, corners[[0, -1]], side="right").tolist()
+        if slab < last:
+            continue
+        own = surface.points[corners]
+        start, span = own[np.argmax(own[:, 0])], np.ptp(own, axis=0)
+        # a little off, so that the ray runs along no mesh edge, and toward the middle of the shell
+        start = start + 1e-7 * span * [0.0, 0.414, 0.618 if start[2] < own[:, 2].mean() else -0.618]
+        low, high = (surface.points[surface.corners[:, end], 2] for end in (0, 2))
+        others = np.flatnonzero((shell != one) & (body[shell] == body[one]) & (low <= start[2]) & (start[2] <= high))
+        _, face, ahead = meet_faces(surface.points[surface.corners[others]], start[None])
+        if (ahead > 0).any():
+            walls[one] = int(others[face[np.argmin(np.where(ahead > 0, ahead, np.inf))]]), slab
+    return walls

@@ -9,6 +9,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ...kernels import njit
+from .components import find_components
 
 
 class Ranked(NamedTuple):
@@ -35,7 +36,7 @@ class Ranked(NamedTuple):
 
 
 class MeshEdges(NamedTuple):
-    """The E mesh edges, in order of their ends: lower and upper end, and the three of each face; all int32.
+    """The E mesh edges, in order of their lower ends: lower and upper end, and the three of each face; all int32.
 
     of_face : (m, 3), for corners a < b < c the mesh edges ab, bc, ac
     faces : (E, 2) the two faces at each mesh edge
@@ -65,50 +66,15 @@ def rank_surface(points, rotation, faces, shell):
     rank : (n,) int32
         Of each vertex.
     """
-    points = tuple(np.ascontiguousarray(column, float) for column in points)
-    frame = np.ascontiguousarray(rotation, float)
-    origin = _order(*points, frame)
+    x, y, z = points
+    turned = [a * x + b * y + c * z for a, b, c in np.asarray(rotation, float)]  # summed in the order x, y, z
+    origin = np.argsort(turned[2]).astype(np.int32)
+    if (np.diff(turned[2][origin]) == 0).any():
+        origin = np.lexsort((turned[1], turned[0], turned[2])).astype(np.int32)
     rank = np.empty(len(origin), np.int32)
     rank[origin] = np.arange(len(origin), dtype=np.int32)
-    return sort_corners(_rotate(*points, frame, origin), origin, rank, faces, shell), rank
-
-
-def _order(x, y, z, frame):
-    """The vertices in order of height; what ties altogether stays in order of the vertices."""
-    height = _turn(x, y, z, *frame[2])
-    order = np.argsort(height).astype(np.int32)
-    if _have_ties(height, order):
-        order = np.lexsort((_turn(x, y, z, *frame[1]), _turn(x, y, z, *frame[0]), height)).astype(np.int32)
-    return order
-
-
-@njit
-def _turn(x, y, z, a, b, c):
-    """The product of points with one direction, summed in the order x, y, z."""
-    out = np.empty(len(x))
-    for i in range(len(x)):
-        out[i] = a * x[i] + b * y[i] + c * z[i]
-    return out
-
-
-@njit
-def _have_ties(height, order):
-    """Whether two vertices have one height."""
-    for i in range(len(order) - 1):  # noqa: SIM110, numba knows no any() of a generator
-        if height[order[i]] == height[order[i + 1]]:
-            return True
-    return False
-
-
-@njit
-def _rotate(x, y, z, frame, order):
-    """Points in the tilted frame (n, 3) in the `order` given, summed in the order x, y, z."""
-    out = np.empty((len(order), 3))
-    for i in range(len(order)):
-        p, q, r = x[order[i]], y[order[i]], z[order[i]]
-        for k in range(3):
-            out[i, k] = frame[k, 0] * p + frame[k, 1] * q + frame[k, 2] * r
-    return out
+    points = np.stack([column[origin] for column in turned], axis=1)
+    return sort_corners(points, origin, rank, faces, shell), rank
 
 
 def sort_corners(points, origin, rank, faces, shell):
@@ -128,46 +94,51 @@ def sort_corners(points, origin, rank, faces, shell):
     -------
     Ranked
     """
-    rank, a, b, c, shell = (np.ascontiguousarray(values, np.int32) for values in (rank, *faces, shell))
-    return Ranked(points, origin, *_sort_corners(rank, a, b, c, shell))
+    n = len(rank)
+    corners, even, order = _sort_corners(rank, *(np.ascontiguousarray(column, np.int32) for column in faces))
+    changes, index = np.bincount(corners[:, 1], minlength=n).astype(np.int32), np.full(n, 2, np.int8)
+    index[corners[:, 0]] = 0
+    index[changes == 2], index[changes > 2] = -1, 1
+    weight = np.cumsum(np.concatenate([[0], np.maximum(changes // 2 - 1, 1)]), dtype=np.int32)
+    return Ranked(points, origin, corners, even, shell[order], changes, index, weight)
 
 
 @njit
-def _sort_corners(rank, one, two, three, shell):
-    """Corners, orientation and shell of the faces in order of their lowest corners, and what that tells of vertices."""
-    n = len(rank)
-    m, first, changes = len(shell), np.zeros(n + 1, np.int32), np.zeros(n, np.int32)
-    corners, even, shells = np.empty((m, 3), np.int32), np.empty(m, np.bool_), np.empty(m, np.int32)
+def _sort_corners(rank, one, two, three):
+    """Corners and orientation of the faces in order of their lowest corners, and that order."""
+    m, first = len(one), np.zeros(len(rank) + 1, np.int64)
+    corners, even, order = np.empty((m, 3), np.int32), np.empty(m, np.bool_), np.empty(m, np.int32)
     for f in range(m):
         first[min(rank[one[f]], rank[two[f]], rank[three[f]]) + 1] += 1
-    for v in range(n):
-        first[v + 1] += first[v]
+    first = np.cumsum(first)
     for f in range(m):
         a, b, c = rank[one[f]], rank[two[f]], rank[three[f]]
-        swaps = 0
-        if a > b:
-            a, b, swaps = b, a, swaps + 1
-        if b > c:
-            b, c, swaps = c, b, swaps + 1
-        if a > b:
-            a, b, swaps = b, a, swaps + 1
-        place = first[a]
-        first[a] += 1
-        corners[place, 0], corners[place, 1], corners[place, 2] = a, b, c
-        even[place], shells[place] = swaps % 2 == 0, shell[f]
-        changes[b] += 1
-    index, weight = np.empty(n, np.int8), np.zeros(n + 1, np.int32)
-    for v in range(n):
-        lowest = first[v] > (first[v - 1] if v > 0 else 0)  # in some face; `first` now tells where each run ends
-        index[v] = 1 if changes[v] > 2 else -1 if changes[v] == 2 else 0 if lowest else 2
-        weight[v + 1] = weight[v] + max(changes[v] // 2 - 1, 1)
-    return corners, even, shells, changes, index, weight
+        low, high = min(a, b, c), max(a, b, c)
+        place = first[low]
+        first[low] += 1
+        corners[place, 0], corners[place, 1], corners[place, 2] = low, a + b + c - low - high, high
+        even[place], order[place] = (a < b < c) or (b < c < a) or (c < a < b), f
+    return corners, even, order
 
 
-def oriented_faces(surface):
-    """The faces (m, 3), counter-clockwise seen from outside."""
-    a, b, c = surface.corners.T
-    return np.stack([a, np.where(surface.even, b, c), np.where(surface.even, c, b)], axis=1)
+@njit
+def _count_sort(keys, n):
+    """The order of keys below n, those that are equal as they come."""
+    first, order = np.zeros(n + 1, np.int64), np.empty(len(keys), np.int32)
+    for key in keys:
+        first[key + 1] += 1
+    first = np.cumsum(first)
+    for i in range(len(keys)):
+        order[first[keys[i]]] = i
+        first[keys[i]] += 1
+    return order
+
+
+def oriented_faces(surface, faces=slice(None)):
+    """The corners of some faces, counter-clockwise seen from outside, (k, 3)."""
+    a, b, c = surface.corners[faces].T
+    even = surface.even[faces]
+    return np.stack([a, np.where(even, b, c), np.where(even, c, b)], axis=1)
 
 
 def copies(surface):
@@ -177,98 +148,51 @@ def copies(surface):
 
 def find_mesh_edges(surface):
     """The :class:`MeshEdges`, or None unless each lies in two opposite half-edges."""
-    closed, *columns = _find_sides(surface.corners, surface.even, len(surface.points))
-    return MeshEdges(*columns) if closed else None
+    n, low = len(surface.points), surface.corners[:, [0, 1, 0]].ravel()
+    order = _count_sort(low, n)
+    closed, *columns = _pair_halves(surface.corners, surface.even, n, low, order)
+    by_upper = _count_sort(columns[1], n)
+    return MeshEdges(*columns, by_upper) if closed else None
 
 
 @njit
-def _find_sides(corners, even, n):
-    """Half-edges, three to a face, by their lower and then by their upper ends; twins are then neighbours."""
-    first, halves = _sort_halves(corners, n)
-    n_sides, m = len(halves) // 2, len(corners)
-    lower, upper, faces = np.empty(n_sides, np.int32), np.empty(n_sides, np.int32), np.empty((n_sides, 2), np.int32)
-    of_face, risen, closed, k = np.empty((m, 3), np.int32), np.zeros(n + 1, np.int32), True, 0
-    for v in range(n):
-        closed = closed and (first[v + 1] - first[v]) % 2 == 0
-        if not closed:
-            break
-        for i in range(first[v], first[v + 1], 2):
-            high, one, two = halves[i] >> 32, halves[i] & 0xFFFFFFFF, halves[i + 1] & 0xFFFFFFFF
-            opposite = (even[one // 3] == (one % 3 < 2)) != (even[two // 3] == (two % 3 < 2))
-            again = i > first[v] and high == upper[k - 1]
-            closed = closed and high == halves[i + 1] >> 32 and opposite and high != v and not again
-            lower[k], upper[k], faces[k, 0], faces[k, 1] = v, high, one // 3, two // 3
-            of_face[one // 3, one % 3] = of_face[two // 3, two % 3] = k
-            risen[high + 1] += 1
-            k += 1
-    by_upper = np.empty(n_sides, np.int32)
-    for v in range(n):
-        risen[v + 1] += risen[v]
-    for k in range(n_sides if closed else 0):
-        by_upper[risen[upper[k]]] = k
-        risen[upper[k]] += 1
-    return closed, lower, upper, of_face, faces, by_upper
+def _pair_halves(corners, even, n, low, order):
+    """Mesh edges from half-edges in order of their lower ends `low`, and whether all have one opposite twin.
 
-
-@njit
-def _sort_halves(corners, n):
-    """Half-edges as upper end x 2^32 + number, sorted within each lower end, and where each of those begins.
-
-    Number 3 f + k is of face f the side ab, bc or ac for k = 0, 1, 2.
+    Half-edge 3 f + k is of face f the side ab, bc or ac for k = 0, 1, 2.
     """
-    first = np.zeros(n + 2, np.int32)
-    for f in range(len(corners)):
-        first[corners[f, 0] + 2] += 2
-        first[corners[f, 1] + 2] += 1
-    for v in range(n + 1):
-        first[v + 1] += first[v]
-    halves = np.empty(3 * len(corners), np.int64)
-    for f in range(len(corners)):
-        for k in range(3):
-            low, high = corners[f, 1 if k == 1 else 0], np.int64(corners[f, 1 if k == 0 else 2])
-            halves[first[low + 1]] = (high << 32) + 3 * f + k
-            first[low + 1] += 1
-    for v in range(n):
-        if first[v + 1] - first[v] > 32:
-            halves[first[v] : first[v + 1]].sort()
+    count, k, closed = len(order) // 2, 0, True
+    lower, upper, faces = np.empty(count, np.int32), np.empty(count, np.int32), np.empty((count, 2), np.int32)
+    of_face, waiting, done = np.empty_like(corners), np.full(n, -1, np.int32), np.full(n, -1, np.int32)
+    for half in order:
+        f, side, v = half // 3, half % 3, low[half]
+        w = corners[f, 1 if side == 0 else 2]
+        other = waiting[w]
+        if other < 0:
+            waiting[w] = half
             continue
-        for i in range(first[v] + 1, first[v + 1]):
-            half, j = halves[i], i
-            while j > first[v] and halves[j - 1] > half:
-                halves[j] = halves[j - 1]
-                j -= 1
-            halves[j] = half
-    return first, halves
+        opposite = (even[f] == (side < 2)) != (even[other // 3] == (other % 3 < 2))
+        closed = closed and low[other] == v != w and opposite and done[w] != v
+        lower[k], upper[k], faces[k, 0], faces[k, 1] = v, w, other // 3, f
+        of_face[f, side] = of_face[other // 3, other % 3] = k
+        waiting[w], done[w], k = -1, v, k + 1
+    return closed and 2 * k == len(order), lower, upper, of_face, faces
 
 
-@njit
-def count_links(corners, of_face, faces, n):
-    """Count the link cycles of each of n vertices: rounds from face to face across its mesh edges.
+def count_links(surface, sides):
+    """Count the link cycles of each vertex: of ends of mesh edges, each joined to the next by a corner of a face.
 
     Parameters
     ----------
-    corners : (m, 3) int32
-    of_face, faces
-        Of :class:`MeshEdges`.
-    n : int
+    surface, sides : Ranked, MeshEdges
 
     Returns
     -------
-    (n,) int32
+    (n,) int
     """
-    seen, links = np.zeros(corners.shape, np.bool_), np.zeros(n, np.int32)
-    for start in range(len(corners)):
-        for corner in range(3):
-            if seen[start, corner]:
-                continue
-            vertex, face, place = corners[start, corner], start, corner
-            links[vertex] += 1
-            side = of_face[face, max(place - 1, 0)]
-            while not seen[face, place]:
-                seen[face, place] = True
-                # its two sides at the vertex are ab and ac, ab and bc, or bc and ac
-                one, two = of_face[face, max(place - 1, 0)], of_face[face, 1 if place == 1 else 2]
-                side = two if side == one else one
-                face = faces[side, 0] + faces[side, 1] - face
-                place = 0 if corners[face, 0] == vertex else 1 if corners[face, 1] == vertex else 2
-    return links
+    count, (ab, bc, ac) = len(sides.lower), sides.of_face.T
+    one, other = (np.concatenate(ends) for ends in ((ab, ab + count, bc + count), (ac, bc, ac + count)))
+    n_links, link = find_components(one, other, 2 * count)
+    vertex = np.empty(n_links, np.int64)
+    vertex[link] = np.concatenate([sides.lower, sides.upper])
+    return np.bincount(vertex, minlength=len(surface.points))

@@ -11,13 +11,12 @@ saddle is split likewise in a copy of the mesh, and everything is recounted on
 that copy.
 """
 
-from fractions import Fraction
-from functools import cmp_to_key
 from typing import NamedTuple
 
 import numpy as np
 
-from .exact_levels import smallest_tilt
+from .links import find_arms, find_upper_wedges, follow, order_level_directions, smallest_tilt
+from .ranges import expand_ranges
 from .surface import copies, oriented_faces, sort_corners
 
 
@@ -65,10 +64,9 @@ def list_copies(surface, folded):
     vertex, rank : (k,) int
         The vertex of each copy, and its rank, copies counted.
     """
-    counts = copies(surface)[list(folded)] - 1
-    vertex = np.repeat(np.array(list(folded), np.int64), counts)
-    number = np.arange(len(vertex)) - np.repeat(np.cumsum(counts) - counts, counts)
-    return vertex, surface.weight[vertex] + number
+    vertex = np.array(list(folded), np.int64)
+    owner, rank = expand_ranges(surface.weight[vertex], surface.weight[vertex + 1] - 1)
+    return vertex[owner], rank
 
 
 def _plain_below(surface, below):
@@ -100,14 +98,15 @@ def unfold(surface, below, folded, witness):
         return surface, _plain_below(surface, below), []
     faces, shell = oriented_faces(surface).tolist(), surface.shell.tolist()
     origin, turn, odd = list(range(len(surface.points))), [0] * len(surface.points), []
-    stars, tilt = {vertex: _star(surface, vertex) for vertex in folded}, smallest_tilt(surface.points)
+    stars = {vertex: np.flatnonzero((surface.corners == vertex).any(axis=1)).tolist() for vertex in folded}
+    tilt = smallest_tilt(surface.points)
     for vertex, cuts in folded.items():
-        link = _cycle([_rotated(faces[f], vertex) for f in stars[vertex]])
+        link = follow(dict(_rotated(faces[f], vertex) for f in stars[vertex]))
         old_link = [origin[w] for w in link]  # neighbours may have come apart before
-        wedges = _upper_wedges(old_link, vertex)
-        rows = np.flatnonzero(witness.vertex == vertex)
+        arms = find_arms(surface.points, tilt, vertex, old_link)
+        wedges, rows = find_upper_wedges(arms), np.flatnonzero(witness.vertex == vertex)
         order = _find_wedges(old_link, wedges, witness.first[rows].tolist(), witness.last[rows].tolist())
-        turns = _order_directions(surface.points, tilt, vertex, old_link, wedges)
+        turns = order_level_directions(arms, wedges)
         if order is None or any(_crosses(_matching(len(wedges), order[:n_below]), turns) for n_below in cuts):
             odd.append(vertex)
             order = range(len(wedges) - 2)
@@ -117,7 +116,7 @@ def unfold(surface, below, folded, witness):
             for corner in set(faces[new]) & set(stars):
                 stars[corner].append(new)
     place = np.lexsort((turn, origin))
-    rank = np.empty(len(place), np.int64)
+    rank = np.empty(len(place), np.int32)
     rank[place] = np.arange(len(place))
     old = np.array(origin)[place]
     split = sort_corners(surface.points[old], surface.origin[old], rank, np.array(faces).T, np.array(shell))
@@ -138,36 +137,10 @@ def _below_of_split(surface, below, old, folded):
     return np.searchsorted(np.cumsum(weight[old]), below, side="right")
 
 
-def _star(surface, vertex):
-    """The faces around a vertex."""
-    return np.flatnonzero((surface.corners == vertex).any(axis=1)).tolist()
-
-
 def _rotated(face, vertex):
     """The two corners after a vertex in a face."""
     k = face.index(vertex)
     return face[(k + 1) % 3], face[(k + 2) % 3]
-
-
-def _cycle(pairs):
-    """The cycle that pairs (one, next one) make."""
-    after = dict(pairs)
-    cycle = [pairs[0][0]]
-    while after[cycle[-1]] != cycle[0]:
-        cycle.append(after[cycle[-1]])
-    return cycle
-
-
-def _upper_wedges(link, vertex):
-    """Places (first, last) of each run of upper neighbours in the link cycle."""
-    k, wedges = len(link), []
-    for i in range(k):
-        if link[i] > vertex and link[i - 1] < vertex:
-            j = i
-            while link[(j + 1) % k] > vertex:
-                j += 1
-            wedges.append((i, j % k))
-    return wedges
 
 
 def _matching(n_wedges, split_off):
@@ -178,41 +151,12 @@ def _matching(n_wedges, split_off):
     what is left of the lower wedges.
     """
     rest = [w for w in range(n_wedges) if w not in split_off]
-    return [(2 * w, 2 * w + 1) for w in split_off] + [
-        (2 * w + 1, 2 * rest[(i + 1) % len(rest)]) for i, w in enumerate(rest)
-    ]
-
-
-def _gates(link, wedges):
-    """The link's edges, (from, to), over which the zero directions lie, two to a wedge."""
-    for first, last in wedges:
-        yield link[first - 1], link[first]
-        yield link[(last + 1) % len(link)], link[last]
-
-
-def _order_directions(points, tilt, vertex, link, wedges):
-    """Place of each zero direction among all, counter-clockwise, in rational numbers."""
-
-    def arm(other):
-        ends = points[other].tolist(), points[vertex].tolist()
-        x, y, z = (Fraction(p) - Fraction(q) for p, q in zip(*ends))
-        return x, y, z + tilt * (x + tilt * y)
-
-    directions = []
-    for low, high in _gates(link, wedges):
-        (px, py, ph), (qx, qy, qh) = arm(low), arm(high)
-        directions.append((px * qh - qx * ph, py * qh - qy * ph))  # times qh - ph > 0
-
-    def compare(p, q):
-        halves = [y < 0 or (y == 0 and x < 0) for x, y in (p, q)]
-        return halves[0] - halves[1] if halves[0] != halves[1] else p[1] * q[0] - p[0] * q[1]
-
-    around = sorted(range(len(directions)), key=cmp_to_key(lambda i, j: compare(directions[i], directions[j])))
-    return np.argsort(around)
+    across = [(2 * w + 1, 2 * following) for w, following in zip(rest, rest[1:] + rest[:1])]
+    return [(2 * w, 2 * w + 1) for w in split_off] + across
 
 
 def _crosses(matching, turns):
-    """Whether two of the strands through the vertex cross there: then the surface would."""
+    """Whether two of the strands through the vertex cross there: then the surface would; to touch is not to cross."""
     chords = [sorted((turns[i], turns[j])) for i, j in matching]
     return any(a < c < b < d for a, b in chords for c, d in chords)
 
