@@ -1,5 +1,6 @@
 # make run     the workflow on data/meshes, which is filled with examples if it is empty
 # make test    the tests
+# make test-faults ROUNDS=300    runs that are killed, starved and meddled with, held against undisturbed ones
 # make lint    what holds of the text of the code: format, rules, types, imports between rooms
 # make tables  docs/tables.md, after a change of the schemas
 # make lock    pin what is installed in .venv, after a change of pyproject.toml
@@ -9,11 +10,12 @@
 
 PYTHON ?= python3
 CORES ?= 2
+ROUNDS ?= 300
 VENV := .venv
 BIN := $(VENV)/bin
 READY := $(VENV)/.ready
 
-.PHONY: run test lint tables lock clean
+.PHONY: run test test-faults lint tables lock clean
 
 run: $(READY) data/meshes
 	$(BIN)/snakemake --cores $(CORES)
@@ -22,6 +24,9 @@ run: $(READY) data/meshes
 
 test: $(READY)
 	$(BIN)/python -m pytest -n $(CORES) --dist loadfile
+
+test-faults: $(READY)
+	$(BIN)/python tests/faults.py $(ROUNDS)
 
 # The lint of Snakemake parses the workflow, which wants a folder with a mesh.
 lint: $(READY) data/meshes

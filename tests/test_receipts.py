@@ -97,6 +97,7 @@ def run_job(stage, main=None):
     job = SimpleNamespace(
         rule=stage, log=["log"], input=SimpleNamespace(keys=lambda: before, **before),
         output=SimpleNamespace(status=status_table(stage)), params=SimpleNamespace(**parameters),
+        config={"limits": {"memory": None, "minutes": None}},
     )  # fmt: skip
     stages.run_batch(job, main or MAINS[stage], OUTPUTS[stage], digest_mesh if stage == THREE[0] else None)
     return {row["model"]: row for row in pq.read_table(status_table(stage)).to_pylist()}

@@ -59,21 +59,17 @@ def find_models(folder, beside=("results", ".snakemake")):
         )
     skipped = {os.path.realpath(path) for path in beside}
     models, others = {}, []
-    for path, entry in _walk(folder, skipped, set()):
+    for path, entry, fault in _walk(folder, skipped, set()):
         stem, ending = os.path.splitext(path)
-        if ending.lower() not in ENDINGS:
-            others += [path] if ending.lower() not in COMPANIONS else []
-            continue
-        if entry is None:
-            others.append(f"{path} (no file: a link to nothing, or a device)")
+        if fault or ending.lower() not in ENDINGS:
+            others += [f"{path} ({fault})" if fault else path] if ending.lower() not in COMPANIONS else []
             continue
         model = make_model_id(os.path.relpath(stem, folder))
         if model in models:
             raise CorpusError(
                 f"meshes: {models[model].path!r} and {path!r} would both be the model {model!r}; rename one of them"
             )
-        stat = entry.stat()
-        models[model] = InputFile(path, stat.st_size, stat.st_mtime_ns, stamp_companions(path))
+        models[model] = _stamp(path, entry)
     if not models:
         raise CorpusError(
             f"meshes: the folder {folder!r} holds no mesh; put files there that end in {', '.join(ENDINGS)}"
@@ -81,20 +77,52 @@ def find_models(folder, beside=("results", ".snakemake")):
     return dict(sorted(models.items())), sorted(others)
 
 
+def _stamp(path, entry):
+    """Describe a mesh file; where it cannot be read, the stage that reads it tells why."""
+    try:
+        stat = entry.stat()
+    except OSError:  # gone since the folder was listed
+        return InputFile(path, 0, 0)
+    try:
+        companions = stamp_companions(path)
+    except (OSError, MemoryError):
+        companions = ()
+    return InputFile(path, stat.st_size, stat.st_mtime_ns, companions)
+
+
 def _walk(folder, skipped, seen):
-    """Yield (path, entry) of what is below `folder` but hidden names, links followed; None where no file is."""
+    """Yield (path, entry, '') of what is below `folder` but hidden names, links followed.
+
+    Where no file is, or a folder that cannot be read, (path, None, what is wrong).
+    """
     real = os.path.realpath(folder)
     if real in skipped or real in seen:
         return
     seen = seen | {real}  # of this branch only: a link to a sibling is fine, one to an ancestor is a loop
-    with os.scandir(folder) as entries:
-        for entry in sorted(entries, key=lambda entry: entry.name):
-            if entry.name.startswith("."):
-                continue
-            if entry.is_dir():
-                yield from _walk(entry.path, skipped, seen)
-            else:
-                yield entry.path, entry if entry.is_file() else None
+    try:
+        with os.scandir(folder) as found:
+            entries = sorted(found, key=lambda entry: entry.name)
+    except OSError as fault:
+        yield os.path.join(folder, ""), None, f"a folder that cannot be read: {fault.strerror}"
+        return
+    for entry in entries:
+        if not entry.name.startswith("."):
+            yield from _look_at(entry, skipped, seen)
+
+
+def _look_at(entry, skipped, seen):
+    """Yield what :func:`_walk` does of one name in a folder."""
+    try:
+        is_folder, is_file = entry.is_dir(), entry.is_file()
+    except OSError as fault:  # a link to itself, among others
+        yield entry.path, None, f"no file: {fault.strerror}"
+        return
+    if is_folder:
+        yield from _walk(entry.path, skipped, seen)
+    elif is_file:
+        yield entry.path, entry, ""
+    else:
+        yield entry.path, None, "no file: a link to nothing, or a device"
 
 
 def make_model_id(stem):

@@ -26,6 +26,12 @@ def place_whole(path, durably=False):
         scratch.unlink(missing_ok=True)
 
 
+def remove_remains(folder, name="*"):
+    """Remove from a folder what writers of files of this name left there when they were killed."""
+    for left in Path(folder).glob(f".writing-*-{name}"):
+        left.unlink(missing_ok=True)
+
+
 def _see_on_disk(path):
     """Wait until a file, or what names a folder holds, is on the disk."""
     with _opened(path) as place:

@@ -58,8 +58,9 @@ def read_mesh(path: str | PathLike[str]) -> MeshFile:
             f" one of {', '.join(SUFFIXES)}."
         )
     _check_content(path)
+    reader = _find_reader(ending)  # what goes wrong here is no fault of the mesh
     try:
-        mesh = _find_reader(ending)(path)
+        mesh = reader(path)
     except (MeshFormatError, ImportError, MemoryError, OSError):  # the last three are no faults of the mesh
         raise
     except Exception as error:  # a reader may stumble over damage in any way it likes
