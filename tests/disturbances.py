@@ -116,6 +116,8 @@ def fill_disk(round):
         code, said = run(round.folder, preexec_fn=limited)
     if code and not ("disk" in said or "No space left" in said):
         raise RuntimeError(f"nothing is said of the disk:\n{said}")
+    if "The run did not finish" in said and f"The log is {round.folder.resolve()}/.snakemake/log/" not in said:
+        raise RuntimeError(f"the log is not named:\n{said}")
 
 
 @contextmanager

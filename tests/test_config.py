@@ -55,6 +55,11 @@ def test_shipped_configuration_is_the_defaults():
     assert check_config(SHIPPED, SCHEMA) == check_config({}, SCHEMA)
 
 
+def test_true_and_false_may_come_as_texts_from_the_command_line():
+    assert [check_config({"verify": word}, SCHEMA)["verify"] for word in ("true", "false", True)] == [True, False, True]
+    assert "verify is 'yes': must be true or false" in faults(verify="yes")
+
+
 def test_every_key_is_described_in_schema_and_readme():
     readme = (ROOT / "config" / "README.md").read_text()
     for name, part in SCHEMA["properties"].items():

@@ -180,7 +180,7 @@ def forget_forced():
 
 
 def close_run():
-    """Say what came out; end with an error when the program, not a mesh, is at fault."""
+    """Say what came out; end with an error where models failed, and tell of the first why."""
     table = MODELS_TABLE
     if not table.exists():
         return
@@ -194,9 +194,9 @@ def close_run():
         )
     if counts["failed"]:
         raise WorkflowError(
-            f"{counts['failed']} of {total} models FAILED, through no fault of their meshes. The others are complete. "
+            f"{counts['failed']} of {total} models FAILED, by no fault found in their meshes. The others are complete. "
             f"The reasons are in {table} (column reason), the tracebacks in results/logs/. The next run tries the "
-            "failed ones again.\n" + list_first(reasons)
+            f"failed ones again.\n{list_first(reasons)}"
         )
 
 

@@ -85,6 +85,8 @@ def _read_texts(value, schema):
     kinds = (kinds,) if isinstance(kinds, str) else tuple(kinds)
     if isinstance(value, str) and "null" in kinds and value in ("null", "~", ""):
         return None
+    if kinds == ("boolean",) and value in ("true", "false"):  # as --config verify=true hands over
+        return value == "true"
     if kinds == ("string",) and type(value) in (int, float):
         return str(value)
     if kinds == ("integer",) and type(value) is float and value.is_integer():
