@@ -54,7 +54,7 @@ def read_model(folder, without=()):
         # 0.0 and -0.0 are one number
         told.append(sorted((name, *(repr(data.get(k) or 0) for k in labels)) for name, data in nodes.items()))
         ends = [k for k in ("lower", "upper", "inner") if k not in without]
-        told.append(sorted((*sorted((a, b)), *(repr(data.get(k)) for k in ends)) for a, b, data in edges))
+        told.append(sorted((*sorted((a, b)), *(repr(data.get(k) or 0) for k in ends)) for a, b, data in edges))
     return told, json.loads((folder / "certificate.json").read_text())["verdict"]
 
 
