@@ -1,8 +1,7 @@
 """Check Reeb graphs against the meshes that they are said to be of: `python check.py [results]`.
 
-For every model in results/models this makes surface.graphml and solid.graphml anew from the mesh (vertices, faces,
-tilt.json) and the names of the events (handles), and says yes or no; the exit code is 1 if it says no to any.
-docs/theorem.md states what a yes proves; its steps are the numbers (1) to (6) in this file.
+It makes surface.graphml and solid.graphml of every model anew from the mesh (vertices, faces, tilt.json) and the names
+of the events (handles), and says yes or no. docs/theorem.md states what a yes proves; its steps are (1) to (6) here.
 """
 
 import json
@@ -20,7 +19,7 @@ import pyarrow.parquet as pq
 NODE = "handle x y z height index side operation change branches".split()
 COLUMNS = {
     "vertices": ["x", "y", "z"], "faces": ["a", "b", "c", "shell"], "shells": ["body"], "levels": ["vertices_below"],
-    "handles": ["vertex", "rank", *NODE],
+    "handles": ["vertex", "rank", *NODE], "arcs": ["graph", "source", "target"],
 }  # fmt: skip
 # What may become of outer (o) and inner (i) contours; A: material appears as the height rises, B: void does.
 CHANGES = "->o ->i o-> i-> o,o->o i,o->i o->i,o i->i,i o->o,o i->i,o i,o->o i,i->i".split()
@@ -97,8 +96,8 @@ class Slices:
     """(2) A surface cut just below the ranks `cuts` into pieces by contours; slab k + 1 is above level k.
 
     Pieces are components of cells (face, slab), contours of segments (face, level). Per segment `face`, `level`,
-    `contour`; per vertex `home`, its piece; per contour the pieces `under` and `over` it; per piece `ends`, the
-    numbers of contours below and above it, and `marked`: whether it is other than a cylinder.
+    `contour`; per vertex its piece, `home`; per contour the pieces `under` and `over` it; per piece the numbers of
+    contours below and above it, `ends`, and whether it is other than a cylinder, `marked`.
     """
 
     def __init__(self, points, faces, cuts):
@@ -143,9 +142,8 @@ def view_contours(s, body):
     def ends(i):  # of segment i, the material on its left
         a, b, c = s.corners[:, s.face[i]].tolist()
         cut, spots = s.cuts[s.level[i]], []
-        plane = (place(cut - 1)[2] + place(cut)[2]) / 2
         for (px, py, p), (qx, qy, q) in (map(place, (a, c)), map(place, (a, b) if b >= cut else (b, c))):
-            share = (plane - p) / (q - p)
+            share = ((place(cut - 1)[2] + place(cut)[2]) / 2 - p) / (q - p)
             spots.append((px + share * (qx - px), py + share * (qy - py)))
         return spots if s.even[s.face[i]] else spots[::-1]
 
@@ -181,7 +179,7 @@ def trace_arcs(under, over, items, marked):
 def find_graphs(s, body):
     """(4) Edges (lower part, upper part, whether inner) of surface and solid, which contours are inner, and blocks."""
     look, inner, pairs = view_contours(s, body), np.zeros(len(s.under), bool), []
-    low, high, first, arc = trace_arcs(s.under, s.over, np.arange(len(s.under)), s.marked)
+    *_, first, arc = surface = trace_arcs(s.under, s.over, np.arange(len(s.under)), s.marked)
     inner[arc[first]] = [look(contour)[0] for contour in first.tolist()]
     inner = inner[arc]
     for hole in np.flatnonzero(inner & (s.marked[s.under] | s.marked[s.over])).tolist():
@@ -193,8 +191,7 @@ def find_graphs(s, body):
     block = components(*np.array(pairs, int).reshape(-1, 2).T, len(s.marked))
     marked = np.isin(np.arange(len(block)), block[s.marked])
     solid = trace_arcs(block[s.under], block[s.over], np.flatnonzero(~inner), marked)
-    edges = [list(zip(a.tolist(), b.tolist(), inner[f].tolist())) for a, b, f in ((low, high, first), solid[:3])]
-    return edges, inner, block
+    return [list(zip(a.tolist(), b.tolist(), inner[f].tolist())) for a, b, f, _ in (surface, solid)], inner, block
 
 
 def prune(edges, kept, height, noise):
@@ -230,7 +227,7 @@ def check_handles(s, tables, row, rank, index, inner, exact):
         need(np.array_equal(t[name], values), f"handles.{name} is not that of the mesh")
 
 
-def check_graph(path, handles, part, edges, exact):
+def check_graph(path, handles, arcs, part, edges, exact):
     """(6) Refuse unless a graph, edges inside parts contracted, has these edges; return its size in words."""
     (nodes, found), held, inside, ends, across = read_graph(path), Counter(part), {}, [], Counter()
     for name, data in nodes.items():
@@ -244,7 +241,8 @@ def check_graph(path, handles, part, edges, exact):
         low, high = (part[h] for h in ends[-1])
         across[low, high, path.name == "surface.graphml" and data["inner"]] += low != high
         need([data["lower"], data["upper"]] == handles["height"][ends[-1]].tolist(), f"{path.name}: heights of an edge")
-    need(+across == Counter(edges), f"the edges of {path.name} are not the arcs")
+    need(+across == Counter(edges), f"the edges of {path.name} are not the arcs of the mesh")
+    need(sorted(ends) == arcs, f"the edges of {path.name} are not those of the table arcs")
     degree = np.where(handles["branches"] | (path.name == "surface.graphml"), np.where(handles["index"] == 1, 3, 1), 2)
     chains = sorted(list(pair) for chain in inside.values() for pair in pairwise(sorted(chain)))
     same = sorted(pair for pair in ends if part[pair[0]] == part[pair[1]]) == chains
@@ -277,10 +275,12 @@ def check_model(folder):
     rank, sizes = np.searchsorted(weight, handles["rank"], side="right"), []
     need((handles["rank"] >= 0).all() and (np.diff(handles["rank"]) > 0).all(), "handles.rank does not ascend")
     check_handles(s, tables, row, rank, index, inner, exact)
+    need([certificate["handles"][k] for k in "012"] == np.bincount(handles["index"]).tolist(), "numbers of handles")
     for name, of_piece, edges in (("surface", np.arange(len(block)), surface), ("solid", block, solid)):
         part, height = of_piece[s.home[rank]].tolist(), dict(zip(of_piece[s.home[critical]], points[critical, 2]))
         edges = prune(edges, set(part), height, 2**-46 * np.abs(points).max() if exact else -1)
-        sizes.append(check_graph(folder / f"{name}.graphml", handles, part, edges, exact))
+        arcs = sorted([low, high] for graph, low, high in zip(*tables["arcs"].values()) if graph == name)
+        sizes.append(check_graph(folder / f"{name}.graphml", handles, arcs, part, edges, exact))
     return f"yes  {certificate['verdict']}; surface: {sizes[0]}; solid: {sizes[1]}"
 
 

@@ -3,8 +3,10 @@
 (With workflow/scripts on PYTHONPATH; RESULTS are folders of results, separated by commas.)
 
 Every alteration is made in a folder of its own that is otherwise the model's. What check.py accepts must tell what it
-told before: the same graphs with the same labels, of a mesh that has them. The counts of all three ends are printed:
-refused, harmless (accepted, or not among what is read, and nothing that check.py speaks of has changed) and wrong.
+told before: the same graphs with the same labels, of a mesh that has them. The counts of all ends are printed:
+refused, harmless (accepted, and nothing that a reader asks for has changed), not read (a file that is not), unspoken
+(of a model `exact_at_feature_size` an event is moved to another critical point of its part, of which docs/theorem.md
+says that a yes does not speak) and wrong.
 """
 
 import importlib.util
@@ -41,23 +43,23 @@ WORDS = {
 READ = tuple(check.COLUMNS)
 FILES = {*(f"{name}.parquet" for name in READ), *GRAPHS, "tilt.json", "certificate.json"}
 LABELS = (*check.NODE, "n_handles")
-FIGURES = ("verdict",)
+PLACES = ("x", "y", "z", "height", "lower", "upper")
 
 
-def read_model(folder):
-    """What a reader asks of a model: both graphs with their labels, and the figures of its certificate."""
-    told = []
+def read_model(folder, without=()):
+    """What a reader asks of a model, but for some labels: both graphs with their labels, and the verdict."""
+    told, labels = [], [label for label in LABELS if label not in without]
     for name in GRAPHS:
         nodes, edges = check.read_graph(folder / name)
-        labels = sorted((name, *(repr(data.get(k)) for k in LABELS)) for name, data in nodes.items())
-        ends = ((*sorted((a, b)), data.get("lower"), data.get("upper"), data.get("inner")) for a, b, data in edges)
-        told.append((labels, sorted(ends, key=repr)))
-    certificate = json.loads((folder / "certificate.json").read_text())
-    return told, [certificate[name] for name in FIGURES]
+        # 0.0 and -0.0 are one number
+        told.append(sorted((name, *(repr(data.get(k) or 0) for k in labels)) for name, data in nodes.items()))
+        ends = [k for k in ("lower", "upper", "inner") if k not in without]
+        told.append(sorted((*sorted((a, b)), *(repr(data.get(k) or 0) for k in ends)) for a, b, data in edges))
+    return told, json.loads((folder / "certificate.json").read_text())["verdict"]
 
 
 def mesh_graphs(folder):
-    """Rows and arcs of both exact graphs of the mesh in a folder, as the library computes them."""
+    """Arcs of both exact graphs of the mesh in a folder, as the library computes them, or why there are none."""
     points, faces = (pq.read_table(folder / f"{name}.parquet").to_pandas().to_numpy() for name in ("vertices", "faces"))
     body = np.zeros(len(points), int)
     rotation = np.array(json.loads((folder / "tilt.json").read_text())["rotation"])
@@ -67,7 +69,12 @@ def mesh_graphs(folder):
         graphs = exact_graphs(tilted, faces[:, :3].astype(int), None, body)
     except ReebsliceError as fault:
         return str(fault)
-    return [(tilted[g.vertex].tolist(), g.height.tolist(), g.arcs.tolist()) for g in graphs]
+    found = []
+    for graph in graphs:
+        first = np.unique(graph.vertex, return_index=True, return_inverse=True)
+        ends = first[1][first[2]][graph.arcs]  # copies of one vertex are one node
+        found.append(sorted(ends[ends[:, 0] != ends[:, 1]].tolist()))
+    return found
 
 
 # --------------------------------------------------------------------------
@@ -309,9 +316,11 @@ def judge(choice, folder, model, others, certify=None):
         return done, "refused", found
     if not said.startswith("yes"):
         return done, "no claim", found
-    same = read_model(folder) == read_model(model)
+    same, exact = read_model(folder) == read_model(model), read_model(folder)[1] == "exact"
+    if not exact and read_model(folder, PLACES) == read_model(model, PLACES):
+        return done, "harmless" if same else "unspoken", found
     if same and any(name in changed for name in ("vertices.parquet", "faces.parquet", "tilt.json")):
-        same = same_topology(mesh_graphs(folder), mesh_graphs(model))
+        same = mesh_graphs(folder) == mesh_graphs(model)
     return done, "harmless" if same else "wrong", found
 
 
@@ -327,11 +336,6 @@ def link(folder, model):
         ):
             place.unlink(missing_ok=True)
             place.symlink_to(path)
-
-
-def same_topology(one, two):
-    """Whether two pairs of exact graphs have the same arcs, whatever the heights."""
-    return isinstance(one, list) and [arcs for *_, arcs in one] == [arcs for *_, arcs in two]
 
 
 def run(models, count, seed, certify=None):
@@ -357,7 +361,7 @@ if __name__ == "__main__":
     counts, faults = run([f.absolute() for f in folders], int(sys.argv[2]), int((sys.argv[3:] or ["1"])[0]))
     for (what, end, _), times in sorted(counts.items()):
         print(f"{what:28} {end:10} {times:6}")
-    for end in ("refused", "no claim", "not read", "harmless", "wrong"):
+    for end in ("refused", "no claim", "not read", "harmless", "unspoken", "wrong"):
         print(f"{end:39} {sum(times for (_, e, _), times in counts.items() if e == end):6}")
     print(*faults, sep="\n")
     sys.exit(bool(faults))
