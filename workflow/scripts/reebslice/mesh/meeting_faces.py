@@ -180,7 +180,7 @@ def _is_off(points, f, g):
     sx, sy, sz = abs(uy * vz) + abs(uz * vy), abs(uz * vx) + abs(ux * vz), abs(ux * vy) + abs(uy * vx)
     before = 0.0
     for v in g:
-        if v == i or v == j or v == k:
+        if v in (i, j, k):
             continue
         wx, wy, wz = points[v, 0] - ax, points[v, 1] - ay, points[v, 2] - az
         side = wx * nx + wy * ny + wz * nz
