@@ -98,7 +98,7 @@ def build_tree(points, faces, order, low):
         leaf = first + place // LEAF
         for axis in range(3):
             x, y, z = points[i, axis], points[j, axis], points[k, axis]
-            one, other = (min(x, min(y, z)) - low[axis]) * TO_SINGLE, (max(x, max(y, z)) - low[axis]) * TO_SINGLE
+            one, other = (min(x, y, z) - low[axis]) * TO_SINGLE, (max(x, y, z) - low[axis]) * TO_SINGLE
             spans[place, axis] = one - ROUNDING * one - LEAST
             spans[place, 3 + axis] = other + ROUNDING * other + LEAST
             boxes[leaf, axis] = min(boxes[leaf, axis], spans[place, axis])

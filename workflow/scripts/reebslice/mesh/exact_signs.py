@@ -1,4 +1,4 @@
-"""Signs of determinants of points, exact: a floating-point filter, then expansions (Shewchuk 1997, doi:10.1007/PL00009321).
+"""Signs of determinants of points, exact: a filter in floating point, then expansions (doi:10.1007/PL00009321).
 
 The filter's bounds are Shewchuk's A bounds, (3 + 16 e) e and (7 + 56 e) e with
 e = 2^-53, rounded up. An expansion is a sum of floats that do not overlap, the
@@ -115,7 +115,7 @@ def side_sign(points, plane, v, work):
         it is on their plane or they are in line.
     """
     i, j, k = plane
-    if v == i or v == j or v == k or i == j or j == k or k == i:
+    if v in (i, j, k) or i == j or j == k or k == i:
         return 0
     ux, uy, uz = points[j, 0] - points[i, 0], points[j, 1] - points[i, 1], points[j, 2] - points[i, 2]
     vx, vy, vz = points[k, 0] - points[i, 0], points[k, 1] - points[i, 1], points[k, 2] - points[i, 2]

@@ -148,25 +148,29 @@ def _are_known(marks, f, g):
 @njit
 def _may_meet(points, faces, facing, f, g):
     """Whether two faces may meet in more than a common vertex or mesh edge."""
-    for one, two in ((f, g), (g, f)):
-        if facing[one] != 0:
-            for k in range(3):
-                if _is_beyond(points, faces[one], faces[two], k, facing[one]):
-                    return False
-    return not (_is_off(points, faces[f], faces[g]) or _is_off(points, faces[g], faces[f]))
+    a, b = (faces[f, 0], faces[f, 1], faces[f, 2]), (faces[g, 0], faces[g, 1], faces[g, 2])
+    for one, two, way in ((a, b, facing[f]), (b, a, facing[g])):
+        if way != 0 and _is_beyond(points, one, two, way):
+            return False
+    return not (_is_off(points, a, b) or _is_off(points, b, a))
 
 
 @njit(inline="always")
-def _is_beyond(points, f, g, k, facing):
-    """Whether g is surely beyond side k of f, seen along an axis, but for vertices at the ends of that side."""
-    axis, i, j = abs(facing) - 1, f[k], f[(k + 1) % 3]
-    x, y = (axis + 1) % 3, (axis + 2) % 3
-    for v in g:
-        if v != i and v != j:
-            turn = bounded_turn(points[i, x], points[i, y], points[j, x], points[j, y], points[v, x], points[v, y])
-            if turn * facing >= 0:
-                return False
-    return True
+def _is_beyond(points, f, g, facing):
+    """Whether g is surely beyond some side of f, seen along an axis, but for vertices at the ends of that side."""
+    axis = abs(facing) - 1
+    x, y = (1, 2) if axis == 0 else ((2, 0) if axis == 1 else (0, 1))
+    for i, j in ((f[0], f[1]), (f[1], f[2]), (f[2], f[0])):
+        beyond = True
+        for v in g:
+            if v != i and v != j:
+                turn = bounded_turn(points[i, x], points[i, y], points[j, x], points[j, y], points[v, x], points[v, y])
+                if turn * facing >= 0:
+                    beyond = False
+                    break
+        if beyond:
+            return True
+    return False
 
 
 @njit(inline="always")
@@ -180,7 +184,7 @@ def _is_off(points, f, g):
     sx, sy, sz = abs(uy * vz) + abs(uz * vy), abs(uz * vx) + abs(ux * vz), abs(ux * vy) + abs(uy * vx)
     before = 0.0
     for v in g:
-        if v == i or v == j or v == k:
+        if v in (i, j, k):
             continue
         wx, wy, wz = points[v, 0] - ax, points[v, 1] - ay, points[v, 2] - az
         side = wx * nx + wy * ny + wz * nz
