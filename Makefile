@@ -1,9 +1,10 @@
 # make run     the workflow on data/meshes, which is filled with examples if it is empty
 # make test    the tests
+# make test-faults ROUNDS=300    runs that are killed, starved and meddled with, held against undisturbed ones
 # make lint    what holds of the text of the code: format, rules, types, imports between rooms
 # make tables  docs/tables.md, after a change of the schemas
 # make audit   ask whether a locked package is known to be vulnerable; skipped where the service is not reached
-# make fuzz    read 20,000 damaged files (ROUNDS=...): only meshes, tables and sentences may come of them
+# make fuzz    read 20,000 damaged files (FILES=...): only meshes, tables and sentences may come of them
 # make lock    pin all packages, with the hashes of their files, after a change of pyproject.toml (UPGRADE=1: anew)
 # make clean   remove the environment and what was compiled, never results
 #
@@ -11,12 +12,13 @@
 
 PYTHON ?= python3
 CORES ?= 2
-ROUNDS ?= 20000
+ROUNDS ?= 300
+FILES ?= 20000
 VENV := .venv
 BIN := $(VENV)/bin
 READY := $(VENV)/.ready
 
-.PHONY: run test lint audit fuzz tables lock clean
+.PHONY: run test test-faults lint audit fuzz tables lock clean
 
 run: $(READY) data/meshes
 	$(BIN)/snakemake --cores $(CORES)
@@ -25,6 +27,9 @@ run: $(READY) data/meshes
 
 test: $(READY)
 	$(BIN)/python -m pytest -n $(CORES) --dist loadfile
+
+test-faults: $(READY)
+	$(BIN)/python tests/faults.py $(ROUNDS)
 
 # The lint of Snakemake parses the workflow, which wants a folder with a mesh.
 lint: $(READY) data/meshes
@@ -56,7 +61,7 @@ audit: $(READY)
 	$(BIN)/python .ci/audit.py requirements.lock
 
 fuzz: $(READY)
-	$(BIN)/python tests/fuzz_readers.py --rounds $(ROUNDS)
+	$(BIN)/python tests/fuzz_readers.py --rounds $(FILES)
 
 # For every system and Python that pyproject.toml allows; what is pinned stays, unless UPGRADE is set.
 lock: $(READY)

@@ -28,6 +28,7 @@ rule all:
 
 
 onstart:
+    keep_going()
     drop_rate_limit()
     forget_forced()
 

@@ -2,6 +2,7 @@
 
 import json
 import os
+import socket
 import subprocess
 import sys
 from pathlib import Path
@@ -17,7 +18,7 @@ from corpus.code_digest import digest_code, find_sources, read_outputs
 from corpus.companions import digest_mesh
 from corpus.discovery import CorpusError, InputFile, find_models
 from corpus.layout import MODELS_FOLDER, STAGES, STATUS_SCHEMA
-from corpus.promises import find_broken_promises
+from corpus.promises import find_broken_promises, vouch
 from corpus.receipts import make_key, receipt_name
 from corpus.stages import Rejected, run_models
 from corpus.storage import read_json, write_json, write_parquet
@@ -62,6 +63,33 @@ def test_links_are_followed_and_loops_left():
     os.symlink("../elsewhere", "m/link")
     os.symlink("..", "elsewhere/up")
     assert set(find_models("m")[0]) >= {"a", "link__b"}
+
+
+def test_each_folder_is_searched_once_in_its_own_place_first():
+    folders = "abcdefghi"  # each with a link to every other: as many paths as there are orders of them
+    put(*(f"m/{name}/{name}.stl" for name in folders), "elsewhere/x.stl")
+    for name in folders:
+        for other in folders:
+            os.symlink(f"../{other}", f"m/{name}/0{other}")
+    os.symlink("../elsewhere", "m/y")
+    os.symlink("../elsewhere", "m/z")
+    models, others = find_models("m")
+    assert list(models) == [*(f"{name}__{name}" for name in folders), "y__x"]
+    assert len(others) == 82 and "m/z (a link to a folder that is searched already)" in others
+
+
+def test_names_of_meshes_that_are_no_files_are_told():
+    put("m/a.stl")
+    os.mkfifo("m/pipe.stl")
+    with socket.socket(socket.AF_UNIX) as one:
+        one.bind("m/socket.stl")
+    os.symlink("nowhere.stl", "m/gone.stl")
+    os.symlink("round.stl", "m/round.stl")
+    models, others = find_models("m")
+    assert list(models) == ["a"]
+    assert [told.partition(" (no file")[0] for told in others] == [
+        f"m/{name}.stl" for name in ("gone", "pipe", "round", "socket")
+    ]
 
 
 @pytest.mark.parametrize(
@@ -338,10 +366,10 @@ def test_key_depends_on_all_of_its_parts_and_not_on_the_order_of_options():
 # Promises
 
 
-def promised(rows, stage):
+def promised(rows, stage, outputs):
     """The status table of one batch, as Snakemake would track it."""
     path = layout.STATUS_FOLDER / stage / "batch-all.parquet"
-    write_parquet(path, pa.Table.from_pylist(list(rows), schema=layout.STATUS_SCHEMA))
+    write_parquet(path, pa.Table.from_pylist(vouch(stage, list(rows), outputs), schema=layout.STATUS_SCHEMA))
     return str(path)
 
 
@@ -351,8 +379,8 @@ def corpus_of_two_stages(monkeypatch):
     monkeypatch.setattr(promises, "STAGES", STAGES[:2])
     inspect, tilt = Stage(), Stage("tilt_")
     rows = run(inspect, first_rows(a="x", b="reject"))
-    first = promised(rows.values(), STAGES[0])
-    second = promised(run(tilt, rows.values(), "select_tilt").values(), STAGES[1])
+    first = promised(rows.values(), STAGES[0], inspect.outputs)
+    second = promised(run(tilt, rows.values(), "select_tilt").values(), STAGES[1], tilt.outputs)
     return first, second, {STAGES[0]: inspect.outputs, STAGES[1]: tilt.outputs}
 
 
@@ -390,7 +418,7 @@ def test_a_failure_is_tried_again(corpus_of_two_stages):
 
 def models_of(*batches):
     """The table of models whose ids are the letters of the batches, each with its name."""
-    row = {"status": "ok", "reason": "", "seconds": 0.5, "peak_memory_mb": 10.0, "key": "k"}
+    row = {"status": "ok", "reason": "", "seconds": 0.5, "peak_memory_mb": 10.0, "key": "k", "stamp": "s"}
     for name, models in batches:
         rows = [row | {"model": model, "path": f"m/{model}.stl"} for model in models]
         for stage in STAGES:

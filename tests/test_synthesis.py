@@ -3,6 +3,7 @@
 import igraph
 import networkx as nx
 import numpy as np
+import pyarrow as pa
 import pytest
 import shapely
 
@@ -10,6 +11,7 @@ import reference
 import solids
 from pipeline import run_stages
 from reebslice.arrays.components import connected_items
+from reebslice.errors import ReebsliceError
 from reebslice.formats.graphml import Graph, graphml_text
 from reebslice.formats.wkb import pack_curves, unpack_curves
 from reebslice.graphs.arcs import trace_arcs
@@ -309,3 +311,11 @@ def test_curves_are_packed_as_well_known_binary():
 
 def test_connected_items_are_numbered_by_the_lowest():
     assert connected_items(np.array([5, 1, 2]), np.array([1, 3, 2]), 7).tolist() == [0, 1, 2, 1, 3, 1, 4]
+
+
+@pytest.mark.parametrize("sizes", [[8], [9], [26, 24], [25, 41, 25]])
+def test_curves_of_other_lengths_than_told_are_refused(sizes):
+    """Compiled code would write beyond the points, of which there are three."""
+    with pytest.raises(ReebsliceError, match="not the line strings that their rows tell of"):
+        unpack_curves([pa.array([bytes(size) for size in sizes])], 3)
+    assert unpack_curves([pa.array([bytes(25), bytes(41)])], 3).start.tolist() == [0, 1, 3]

@@ -38,11 +38,12 @@ def write_box(path, height=1.0, faces=BOX_FACES):
     path.write_text("\n".join(lines) + "\n")
 
 
-def run(folder, *arguments, options=OPTIONS, checkout=ROOT, meshes="meshes"):
+def run(folder, *arguments, options=OPTIONS, checkout=ROOT, meshes="meshes", environment=None):
     """Run Snakemake in `folder` with the Snakefile of `checkout`; return (exit code, what it said)."""
     command = [sys.executable, "-m", "snakemake", "--snakefile", str(checkout / "Snakefile"), "--cores", "2"]
     command += ["--directory", str(folder), *arguments, "--config", f"meshes={meshes}", *options]
-    done = subprocess.run(command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, cwd=folder, check=False)
+    given = {"cwd": folder, "env": os.environ | (environment or {}), "text": True}
+    done = subprocess.run(command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, check=False, **given)
     return done.returncode, done.stdout
 
 
@@ -144,10 +145,11 @@ def test_a_run_leaves_every_file_and_says_how_it_went(finished):
     assert said.index("1 rejected") > said.index("100%")
 
 
-def test_cores_and_batches_change_no_byte(finished, tmp_path):
+def test_cores_batches_hash_seed_locale_and_time_zone_change_no_byte(finished, tmp_path):
     shutil.copytree(finished[0] / "meshes", tmp_path / "meshes")
     write_box(tmp_path / "meshes/another.off", 3.0)  # one more model in the batch
-    code, said = run(tmp_path, "--cores", "1", options=(*OPTIONS, "batches={size: 100}"))
+    elsewhere = {"PYTHONHASHSEED": "12345", "LC_ALL": "C", "TZ": "Pacific/Apia"}
+    code, said = run(tmp_path, "--cores", "1", options=(*OPTIONS, "batches={size: 100}"), environment=elsewhere)
     assert code == 0, said
     for model in ("tall", "sub__wide box"):
         for name in (name for stage in STAGES for name in read_outputs(SCRIPTS / f"{stage}.py")):
@@ -213,6 +215,55 @@ def test_a_deleted_result_is_restored_and_nothing_else_computed(folder):
     changed = {name for name, time in stamps(folder, "tall").items() if time != before[name]}
     assert changed == {"nodes.parquet", receipt_name("sample_nodes")}
     assert planned(folder) == {}
+
+
+def results(folder):
+    """Bytes of every file of the models but receipts, which tell seconds."""
+    paths = (path for path in (folder / "results/models").rglob("*") if path.is_file() and path.name[0] != ".")
+    return {path.relative_to(folder): path.read_bytes() for path in paths}
+
+
+def test_what_was_altered_is_noticed_and_made_anew(folder):
+    """By hand, by another program, by a disk; in files, receipts and tables: all in one run."""
+    before, figures = results(folder), models_table(folder)
+    tall, wide, torn = (folder / "results/models" / model for model in ("tall", "sub__wide box", "torn"))
+    certificate = (tall / "certificate.json").read_text()
+    (tall / "certificate.json").write_text(certificate.replace('"verdict": "exact"', '"verdict": "rejected"'))
+    shutil.copy2(wide / "vertices.parquet", tall / "vertices.parquet")
+    pq.read_table(wide / "levels.parquet").to_pandas().to_parquet(wide / "levels.parquet")
+    (wide / "solid.graphml").write_bytes(bytes((wide / "solid.graphml").stat().st_size))
+    os.truncate(wide / "picture.png", 100)
+    lie = torn / receipt_name("inspect_mesh")
+    lie.write_text(lie.read_text().replace('"rejected"', '"ok"'))
+    for table in ("results/corpus/models.parquet", "results/status/draw/batch-all.parquet"):
+        os.truncate(folder / table, 1000)
+    code, said = run(folder)
+    assert code == 0, said
+    assert results(folder) == before and planned(folder) == {}
+    after = models_table(folder)
+    assert {model: row["verdict"] for model, row in after.items()} == {m: row["verdict"] for m, row in figures.items()}
+
+
+def test_a_run_that_digests_everything_notices_what_has_size_and_time_of_before(folder):
+    before, picture, mesh = (
+        results(folder),
+        folder / "results/models/tall/picture.png",
+        folder / "meshes/sub/wide box.off",
+    )
+    for path, change in ((picture, lambda data: data[:-1] + b"?"), (mesh, lambda data: data.replace(b" 5.", b" 6."))):
+        stat = path.stat()
+        path.write_bytes(change(path.read_bytes()))
+        os.utime(path, ns=(stat.st_atime_ns, stat.st_mtime_ns))
+    assert planned(folder) == {}
+    old = stamps(folder, "tall")
+    code, said = run(folder, options=(*OPTIONS, "verify=true"))
+    assert code == 0, said
+    after = results(folder)
+    other = {path for path in before if after[path] != before[path]}
+    assert {path.parent.name for path in other} == {"sub__wide box"}  # the picture is as it was
+    assert {"vertices.parquet", "picture.png", "certificate.json"} <= {path.name for path in other}
+    changed = {name for name, time in stamps(folder, "tall").items() if time != old[name]}
+    assert changed == {"picture.png", receipt_name("draw")}
 
 
 def test_a_fault_of_the_program_stops_one_model_is_told_and_tried_again(folder, checkout):

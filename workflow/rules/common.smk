@@ -3,7 +3,10 @@
 # it meets Snakemake.
 
 import os
+import shutil
 import sys
+import tempfile
+import time
 from pathlib import Path
 
 import yaml
@@ -20,10 +23,14 @@ from corpus.configuration import ConfigError, check_config, restore_texts
 from corpus.discovery import CorpusError, find_models
 from corpus.layout import MODELS_TABLE, STAGES
 from corpus.model_table import count_models
+from corpus.process import find_full_disks, find_last_words
 from corpus.promises import find_broken_promises
 from corpus.receipts import forget_stage
 
 os.environ.setdefault("NUMBA_CACHE_DIR", str(compiled_code_folder(SCRIPTS / "reebslice")))
+
+STARTED = time.time()
+TOLD = 3  # so many faults of a kind are told at the end, and the number of all
 
 # Configuration ---------------------------------------------------------------
 
@@ -48,6 +55,14 @@ wildcard_constraints:
     batch=r"batch-(all|[01]+)|alone-[0-9a-f]+",
 
 
+def withdraw_table(table):
+    """Remove what is in a table's place, so that Snakemake has it made again."""
+    try:
+        shutil.rmtree(table) if os.path.isdir(table) else Path(table).unlink(missing_ok=True)
+    except OSError as fault:
+        raise WorkflowError(f"{table} is not what it should be, and cannot be removed: {fault.strerror}") from None
+
+
 # A status table stands for the files of its models, which Snakemake does not
 # track. One that promises more than there is, is withdrawn and asked for
 # again by the default target, so its batch runs, restores what is missing and passes over
@@ -55,9 +70,9 @@ wildcard_constraints:
 WITHDRAWN = []
 if workflow.is_main_process:
     OUTPUTS = {stage: read_outputs(SCRIPTS / f"{stage}.py") for stage in STAGES}
-    WITHDRAWN = find_broken_promises(BATCHES, OUTPUTS)
+    WITHDRAWN = find_broken_promises(BATCHES, OUTPUTS, config["verify"])
     for table in WITHDRAWN:
-        Path(table).unlink(missing_ok=True)
+        withdraw_table(table)
     if OTHER_FILES:
         logger.warning(
             f"{len(OTHER_FILES)} names in {config['meshes']} are no meshes that can be read "
@@ -118,6 +133,11 @@ def last_status_tables():
 # The beginning and the end of a run ------------------------------------------
 
 
+def keep_going():
+    """Have a job that is killed stop nothing but what is behind it, as --keep-going does."""
+    workflow.scheduler.keepgoing = True
+
+
 def drop_rate_limit():
     """Let Snakemake start jobs as cores get free, whatever their number in a second.
 
@@ -142,7 +162,7 @@ def close_run():
     table = MODELS_TABLE
     if not table.exists():
         return
-    counts = count_models(table)
+    counts, reasons = count_models(table)
     total = sum(counts.values())
     logger.info(f"{counts['ok']} of {total} models done: results/models/, {table}")
     if counts["rejected"]:
@@ -152,15 +172,23 @@ def close_run():
         )
     if counts["failed"]:
         raise WorkflowError(
-            f"{counts['failed']} of {total} models FAILED, which is a fault of the program, not of "
-            f"the meshes. The others are complete. The reasons are in {table} (column reason), the "
-            "tracebacks in results/logs/. The next run tries the failed ones again."
+            f"{counts['failed']} of {total} models FAILED, through no fault of their meshes. The others are complete. "
+            f"The reasons are in {table} (column reason), the tracebacks in results/logs/. The next run tries the "
+            "failed ones again.\n" + list_first(reasons)
         )
 
 
 def explain_error(log):
-    """Say what an interrupted run leaves behind."""
+    """Say what kept the run from its end, and what it leaves behind."""
+    words = find_last_words("results/logs", STARTED)
+    told = [f"{path}: {word}" for path, word in words.items()] + find_full_disks([".", tempfile.gettempdir()])
     logger.error(
-        "The run did not finish. Models that were completed are kept; start it again to go on "
-        f"(with --rerun-incomplete if a job was killed). The log is {log}"
+        "The run did not finish. Models that were completed are kept; start it again, as it is, to go on. "
+        f"The log is {', '.join(map(str, log)) or 'not written'}\n{list_first(told)}"
     )
+
+
+def list_first(lines):
+    """The first of some lines, indented, and how many more there are."""
+    more = [f"and {len(lines) - TOLD} more"] if len(lines) > TOLD else []
+    return "\n".join(f"  {line}" for line in lines[:TOLD] + more)

@@ -5,11 +5,16 @@ figures of its certificate and of its inspection, the seconds and the memory
 of every stage.
 """
 
+from corpus.layout import MODELS_TABLE
 from corpus.model_table import make_model_table
 from corpus.process import print_into, trim_startup
+from corpus.receipts import seal_table
 from corpus.storage import write_parquet
+from corpus.whole_files import remove_remains
 
 if "snakemake" in globals():
     print_into(snakemake.log[0])
     trim_startup()
-    write_parquet(snakemake.output.table, make_model_table(snakemake.input))
+    remove_remains(MODELS_TABLE.parent)
+    write_parquet(MODELS_TABLE, make_model_table(snakemake.input))
+    seal_table(MODELS_TABLE)

@@ -6,6 +6,7 @@ import pyarrow as pa
 
 from corpus.layout import MODELS_FOLDER, read_status
 from corpus.process import print_into
+from corpus.receipts import valid_receipt
 from corpus.storage import read_table, write_table
 from reebslice.drawing.charts import draw_comparison
 from reebslice.links.comparison import EVERY, rates
@@ -15,15 +16,16 @@ def main(tables):
     """Return the table `comparison` over all accepted models.
 
     tables : paths of the status tables of compare_links. One that tells of a
-    model that failed, or promises what is gone, is removed, so that the next
-    run makes it again, and RuntimeError raised.
+    model that failed, or promises what is gone or altered, is removed, so that
+    the next run makes it again, and RuntimeError raised.
     """
     rows = {table: read_status(table) for table in tables}
     broken = {table: [row for row in rows[table] if _is_broken(row)] for table in tables}
     for table in [table for table in tables if broken[table]]:
         Path(table).unlink()
     if any(broken.values()):
-        faults = [f"{row['model']}: {row['reason'] or 'its table is gone'}" for rows in broken.values() for row in rows]
+        gone = "its table is gone or altered"
+        faults = [f"{row['model']}: {row['reason'] or gone}" for rows in broken.values() for row in rows]
         raise RuntimeError("not compared; the next run tries again:\n" + "\n".join(faults))
     done = sorted(row["model"] for table in tables for row in rows[table] if row["status"] == "ok")
     if not done:
@@ -36,7 +38,10 @@ def _place(model):
 
 
 def _is_broken(row):
-    return row["status"] == "failed" or (row["status"] == "ok" and not _place(row["model"]).is_file())
+    if row["status"] != "ok":
+        return row["status"] == "failed"
+    place = _place(row["model"])
+    return valid_receipt(place.parent, "compare_links", row["key"], [place.name]) is None
 
 
 if "snakemake" in globals():

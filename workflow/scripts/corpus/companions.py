@@ -3,6 +3,8 @@
 import hashlib
 from pathlib import Path
 
+from .whole_files import digest_file
+
 
 def list_companions(path):
     """List the files, as paths, that a mesh file names and that belong to its geometry: the buffers of a glTF file."""
@@ -20,12 +22,6 @@ def stamp_companions(path):
         stat = companion.stat() if companion.is_file() else None
         stamps.append((str(companion), stat and stat.st_size, stat and stat.st_mtime_ns))
     return tuple(stamps)
-
-
-def digest_file(path):
-    """Return a digest of the bytes of a file."""
-    with open(path, "rb") as file:
-        return hashlib.file_digest(file, lambda: hashlib.blake2b(digest_size=16)).hexdigest()
 
 
 def digest_mesh(path):

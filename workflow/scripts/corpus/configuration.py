@@ -5,7 +5,10 @@ import math
 
 import jsonschema
 
-from reebslice.slicing.sampling_rule import sampling_rule
+from reebslice.slicing.sampling_rule import MOST_LEVELS, sampling_rule
+
+# The lengths in which a mesh that is read can be told: see LARGEST and SMALLEST of reebslice.mesh.faults.
+LARGEST_LENGTH, SMALLEST_LENGTH = 1e75, 1e-75
 
 # What JSON schema calls a type, said to a person.
 TYPES = {
@@ -70,7 +73,8 @@ def _read_texts(value, schema):
     On the command line, `--config levels='{distance: 0.02}'` hands over the
     text '0.02' and `--config meshes=2024` a number; in a file, YAML takes
     1e-6, without a point, for a text. That 15 and 15.0 are one value keeps
-    results that were made with the other.
+    results that were made with the other, and a schema takes 64.0 for a whole
+    number, which counts nothing in Python.
     """
     if isinstance(value, dict):
         parts = schema.get("properties", {})
@@ -83,6 +87,8 @@ def _read_texts(value, schema):
         return None
     if kinds == ("string",) and type(value) in (int, float):
         return str(value)
+    if kinds == ("integer",) and type(value) is float and value.is_integer():
+        return int(value)
     if (isinstance(value, str) and {"integer", "number"} & set(kinds)) or (type(value) is int and "number" in kinds):
         try:
             return float(value) if "number" in kinds else int(value)
@@ -109,7 +115,7 @@ def _nonfinite(value, place=""):
 
 def _contradictions(config):
     """Return the faults that involve more than one key."""
-    tilt, levels = config["tilt"], config["levels"]
+    tilt = config["tilt"]
     faults = []
     if tilt["mode"] == "direction" and tilt["direction"] is None:
         faults.append("tilt.direction is missing: tilt.mode is 'direction', which needs direction: [x, y, z]")
@@ -117,16 +123,41 @@ def _contradictions(config):
         faults.append(
             f"tilt.direction is given, but tilt.mode is {tilt['mode']!r}: write mode: direction, or remove it"
         )
-    if tilt["direction"] is not None and not any(tilt["direction"]):
+    size = max(map(abs, tilt["direction"] or [1.0]))
+    if not size:
         faults.append("tilt.direction is the zero vector: at least one of its three numbers must differ from 0")
-    if levels["distance"] is None and levels["feature_size"] is None:
-        faults.append("levels.distance and levels.feature_size are both null: give one of them")
-    for key in ("distance", "feature_size"):
-        if levels["units"] == "relative" and levels[key] is not None and levels[key] > 1:
+    elif not SMALLEST_LENGTH <= size <= LARGEST_LENGTH:
+        faults.append(
+            f"tilt.direction is {tilt['direction']!r}: its length does not count, but it must be one that can be "
+            f"computed with, from {SMALLEST_LENGTH:g} to {LARGEST_LENGTH:g}; [0, 0, 1] is z"
+        )
+    return faults + _contradictions_of_levels(**config["levels"])
+
+
+def _contradictions_of_levels(distance, feature_size, units, **_):
+    """Return the faults of `levels` that involve more than one key, or would make every model fail."""
+    given = {"distance": distance, "feature_size": feature_size}
+    given = {key: value for key, value in given.items() if value is not None}
+    if not given:
+        return ["levels.distance and levels.feature_size are both null: give one of them"]
+    faults = []
+    for key, value in given.items():
+        if units == "relative" and value > 1:
             faults.append(
-                f"levels.{key} is {levels[key]!r}: with units: relative it is a part of the model's height "
+                f"levels.{key} is {value!r}: with units: relative it is a part of the model's height "
                 "range, at most 1; for mesh units write units: absolute"
             )
+        elif not SMALLEST_LENGTH / MOST_LEVELS <= value <= LARGEST_LENGTH:
+            faults.append(
+                f"levels.{key} is {value!r}: no mesh is so small or so large; it must be from "
+                f"{SMALLEST_LENGTH / MOST_LEVELS:g} to {LARGEST_LENGTH:g}"
+            )
+    key, least = ("distance", 1) if distance is not None else ("feature_size", 2)
+    if units == "relative" and given[key] * MOST_LEVELS < least:
+        faults.append(
+            f"levels.{key} is {given[key]!r}: every model would have more than the {MOST_LEVELS} levels that can be "
+            f"held; it must be at least {least / MOST_LEVELS:g}"
+        )
     return faults
 
 

@@ -59,21 +59,17 @@ def find_models(folder, beside=("results", ".snakemake")):
         )
     skipped = {os.path.realpath(path) for path in beside}
     models, others = {}, []
-    for path, entry in _walk(folder, skipped, set()):
+    for path, entry, fault in _walk(folder, skipped):
         stem, ending = os.path.splitext(path)
-        if ending.lower() not in ENDINGS:
-            others += [path] if ending.lower() not in COMPANIONS else []
-            continue
-        if entry is None:
-            others.append(f"{path} (no file: a link to nothing, or a device)")
+        if fault or ending.lower() not in ENDINGS:
+            others += [f"{path} ({fault})" if fault else path] if ending.lower() not in COMPANIONS else []
             continue
         model = make_model_id(os.path.relpath(stem, folder))
         if model in models:
             raise CorpusError(
                 f"meshes: {models[model].path!r} and {path!r} would both be the model {model!r}; rename one of them"
             )
-        stat = entry.stat()
-        models[model] = InputFile(path, stat.st_size, stat.st_mtime_ns, stamp_companions(path))
+        models[model] = _stamp(path, entry)
     if not models:
         raise CorpusError(
             f"meshes: the folder {folder!r} holds no mesh; put files there that end in {', '.join(ENDINGS)}"
@@ -81,20 +77,68 @@ def find_models(folder, beside=("results", ".snakemake")):
     return dict(sorted(models.items())), sorted(others)
 
 
-def _walk(folder, skipped, seen):
-    """Yield (path, entry) of what is below `folder` but hidden names, links followed; None where no file is."""
+def _stamp(path, entry):
+    """Describe a mesh file; where it cannot be read, the stage that reads it tells why."""
+    try:
+        stat = entry.stat()
+    except OSError:  # gone since the folder was listed
+        return InputFile(path, 0, 0)
+    try:
+        companions = stamp_companions(path)
+    except (OSError, MemoryError):
+        companions = ()
+    return InputFile(path, stat.st_size, stat.st_mtime_ns, companions)
+
+
+def _walk(folder, skipped):
+    """Yield (path, entry, '') of what is below `folder` but hidden names, links followed.
+
+    Each folder is searched once, whatever links lead to it: in its own place where that is below `folder`, else by the
+    first link. Where no file is, or a folder that was searched already or cannot be read, (path, None, what is wrong).
+    """
+    seen, waiting = set(), [folder]
+    while waiting:
+        links = []  # to folders: followed when all that is no link has been
+        for path in sorted(waiting):
+            yield from _search(path, skipped, seen, links)
+        waiting = links
+
+
+def _search(folder, skipped, seen, links):
+    """Yield what :func:`_walk` does of one folder and of those below it, and put links to folders to `links`."""
     real = os.path.realpath(folder)
-    if real in skipped or real in seen:
+    if real in skipped:
         return
-    seen = seen | {real}  # of this branch only: a link to a sibling is fine, one to an ancestor is a loop
-    with os.scandir(folder) as entries:
-        for entry in sorted(entries, key=lambda entry: entry.name):
-            if entry.name.startswith("."):
-                continue
-            if entry.is_dir():
-                yield from _walk(entry.path, skipped, seen)
-            else:
-                yield entry.path, entry if entry.is_file() else None
+    if real in seen:
+        yield folder, None, "a link to a folder that is searched already"
+        return
+    seen.add(real)
+    try:
+        with os.scandir(folder) as found:
+            entries = sorted(found, key=lambda entry: entry.name)
+    except OSError as fault:
+        yield os.path.join(folder, ""), None, f"a folder that cannot be read: {fault.strerror}"
+        return
+    for entry in entries:
+        if not entry.name.startswith("."):
+            yield from _look_at(entry, skipped, seen, links)
+
+
+def _look_at(entry, skipped, seen, links):
+    """Yield what :func:`_search` does of one name in a folder."""
+    try:
+        is_folder, is_file = entry.is_dir(), entry.is_file()
+    except OSError as fault:  # a link to itself, among others
+        yield entry.path, None, f"no file: {fault.strerror}"
+        return
+    if is_folder and entry.is_symlink():
+        links.append(entry.path)
+    elif is_folder:
+        yield from _search(entry.path, skipped, seen, links)
+    elif is_file:
+        yield entry.path, entry, ""
+    else:
+        yield entry.path, None, "no file: a link to nothing, or a device"
 
 
 def make_model_id(stem):

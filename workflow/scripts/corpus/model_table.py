@@ -2,6 +2,7 @@
 
 import re
 from collections import Counter
+from contextlib import suppress
 from functools import cache
 from pathlib import Path
 
@@ -10,9 +11,11 @@ import pyarrow.compute as pc
 import pyarrow.parquet as pq
 
 from .layout import MODELS_FOLDER, STAGES, read_status
+from .receipts import forget_stage
 from .storage import read_json
 
-FIGURES = ("inspection.json", "sampling.json", "certificate.json")  # of one name, the later file's figure counts
+# Files of figures, and the stages that write them; of figures of one name, that of the later file counts.
+FIGURES = {"inspection.json": "inspect_mesh", "sampling.json": "classify_handles", "certificate.json": "certify"}
 FIRST = ("model", "path", "status", "reason", "verdict")
 LAST = tuple(f"{figure}_{stage}" for figure in ("seconds", "peak_memory_mb") for stage in STAGES)
 LONGEST = 8  # entries of a group or list that is spread over columns
@@ -34,10 +37,19 @@ def make_model_table(tables):
 
 
 def count_models(path):
-    """Return how many models of the table at `path` ended as ok, rejected and failed."""
-    column = pq.ParquetFile(path).read(columns=["status"])["status"]
-    counts = Counter({entry["values"]: entry["counts"] for entry in pc.value_counts(column).to_pylist()})
-    return {status: counts[status] for status in ("ok", "rejected", "failed")}
+    """Return how many models of the table at `path` ended as ok, rejected and failed; and why those that failed did.
+
+    Returns
+    -------
+    counts : dict of str to int
+    reasons : list of str
+        Id and reason of every model that failed.
+    """
+    table = pq.ParquetFile(path).read(columns=["model", "status", "reason"])
+    counts = Counter({entry["values"]: entry["counts"] for entry in pc.value_counts(table["status"]).to_pylist()})
+    failed = table.filter(pc.equal(table["status"], "failed")).to_pylist()
+    reasons = [f"{row['model']}: {row['reason']}" for row in failed]
+    return {status: counts[status] for status in ("ok", "rejected", "failed")}, reasons
 
 
 def _join_stages(paths):
@@ -51,8 +63,10 @@ def _join_stages(paths):
             row[f"seconds_{stage}"] = entry["seconds"]
             row[f"peak_memory_mb_{stage}"] = entry["peak_memory_mb"]
     for row in rows.values():
-        figures = _figures(row["model"])
+        figures, fault = _figures(row["model"])
         row |= {name: figure for name, figure in figures.items() if name not in row}
+        if fault and row["status"] in ("ok", "rejected"):
+            row |= {"status": "failed", "reason": fault}
         if row["status"] == "ok":  # why it is uncertified
             row["reason"] = figures.get("reason") or row["reason"]
         if row["status"] != "ok":
@@ -61,15 +75,22 @@ def _join_stages(paths):
 
 
 def _figures(model):
-    """Return the scalar figures in the model's JSON files."""
-    figures = {}
-    for name in FIGURES:
+    """Return the scalar figures in the model's JSON files, and a sentence on the one that cannot be read, or ''.
+
+    The receipt of the stage that wrote that one goes, so that the next run makes it again.
+    """
+    figures, fault = {}, ""
+    for name, stage in FIGURES.items():
+        path = MODELS_FOLDER / model / name
         try:
-            facts = read_json(MODELS_FOLDER / model / name)
+            figures |= _scalars(read_json(path))
         except FileNotFoundError:
             continue
-        figures |= _scalars(facts)
-    return figures
+        except (OSError, ValueError, AttributeError, RecursionError) as broken:  # damaged, or no group of figures
+            fault = f"{path} cannot be read ({type(broken).__name__}: {broken}); the next run makes it again"
+            with suppress(OSError):
+                forget_stage([model], stage)
+    return figures, fault
 
 
 def _scalars(facts):

@@ -1,22 +1,47 @@
-"""Promises: a status table vouches for files that Snakemake does not track."""
+"""Promises: a status table vouches for files that Snakemake does not track.
 
+Of every model it holds a stamp: a digest of the model's key, and of name, size
+and time of the receipt and of every output. Whether files are still those that
+the table was written for takes no more than a look at their folder.
+"""
+
+import hashlib
 import os
+from array import array
 
-from .layout import MODELS_FOLDER, MODELS_TABLE, STAGES, STATUS_FOLDER
-from .receipts import receipt_name
-from .storage import read_json
+import pyarrow as pa
+import pyarrow.parquet as pq
 
-# --------------------------------------------------------------------------
-# Promises: a status table vouches for files that Snakemake does not track
+from .layout import MODELS_FOLDER, MODELS_TABLE, STAGES, STATUS_FOLDER, STATUS_SCHEMA
+from .receipts import receipt_name, valid_receipt
+from .whole_files import sync
+
+ABSENT = (-1, -1)
 
 
-def find_broken_promises(batches, outputs):
-    """Return, of every batch, the first status table that promises what is not there.
+def vouch(stage, rows, outputs):
+    """Return the rows of a status table with the stamps of what they are about, once that is on the disk.
 
-    A table is broken when a file of one of its models is gone. It is so, too,
-    when one of its models failed, as a failure is tried again in every run,
-    and when it is itself missing though later ones exist, which Snakemake
-    would pass over.
+    Parameters
+    ----------
+    stage : str
+    rows : list of dict
+        Without `stamp`.
+    outputs : sequence of str
+        Names of the stage's outputs.
+    """
+    if MODELS_FOLDER.is_dir():
+        sync(MODELS_FOLDER)
+    return [row | {"stamp": _stamp(row, _stat_files(row["model"]), receipt_name(stage), *outputs)} for row in rows]
+
+
+def find_broken_promises(batches, outputs, verify=False):
+    """Return the tables that promise what is not there: of every batch the first, and that of all models.
+
+    A status table is broken when it cannot be read, or a file of one of its
+    models is gone or was altered. It is so, too, when one of its models failed,
+    as a failure is tried again in every run, and when it is itself missing
+    though later ones exist, which Snakemake would pass over.
 
     Parameters
     ----------
@@ -24,41 +49,68 @@ def find_broken_promises(batches, outputs):
         Models by batch.
     outputs : dict of str to tuple of str
         Names of the outputs per model, by stage.
+    verify : bool
+        Take all for broken, so that every file is digested: a stage takes over nothing by its size and time.
 
     Returns
     -------
     list of str
-        Paths of status tables, at most one per batch.
+        Paths of status tables, at most one per batch, and of the table of models.
     """
-    tables = {stage: _names(STATUS_FOLDER / stage) for stage in STAGES}
     collected = MODELS_TABLE.exists()
     broken = []
     for batch, members in batches.items():
-        made = [f"{batch}.parquet" in tables[stage] for stage in STAGES]
-        stages = [_first_broken_stage(model, made, outputs) for model in members]
-        first = min(stages, default=len(STAGES))
-        if first < len(STAGES) and (collected or any(made[first:])):
-            broken.append(str(STATUS_FOLDER / STAGES[first] / f"{batch}.parquet"))
+        paths = [STATUS_FOLDER / stage / f"{batch}.parquet" for stage in STAGES]
+        tables = [_read_promises(path, members) for path in paths]
+        stages = (_first_broken_stage(model, tables, outputs) for model in members)
+        first = 0 if verify else min(stages, default=len(STAGES))
+        if first < len(STAGES) and (collected or any(path.exists() for path in paths[first:])):
+            broken.append(str(paths[first]))
+    if collected and not valid_receipt(MODELS_TABLE.parent, MODELS_TABLE.stem, "", [MODELS_TABLE.name]):
+        broken.append(str(MODELS_TABLE))
     return broken
 
 
-def _first_broken_stage(model, made, outputs):
-    """Return the number of the first stage that lacks its table or, of this model, a file."""
-    folder = MODELS_FOLDER / model
-    present = _names(folder)
-    for number, stage in enumerate(STAGES):
-        if not made[number] or receipt_name(stage) not in present:
+def _read_promises(path, members):
+    """Return key, status and stamp of every model of a status table; None where it is not that of these models."""
+    try:
+        table = pq.ParquetFile(path).read()
+    except (OSError, ValueError, pa.ArrowException):
+        return None
+    if not table.schema.equals(STATUS_SCHEMA) or sorted(table["model"].to_pylist()) != members:
+        return None
+    return {row["model"]: row for row in table.select(["model", "key", "status", "stamp"]).to_pylist()}
+
+
+def _first_broken_stage(model, tables, outputs):
+    """Return the number of the first stage that lacks its table or, of this model, is not as it says."""
+    files = _stat_files(model)
+    for number, (stage, rows) in enumerate(zip(STAGES, tables, strict=True)):
+        if rows is None or rows[model]["status"] == "failed":
             return number
-        if not present.issuperset(outputs[stage]):
-            receipt = read_json(folder / receipt_name(stage))
-            rejected = receipt["status"] == "rejected" and present.issuperset(receipt["outputs"])
-            # Of a rejected model later stages leave no file: their tables alone are asked for.
-            return [*made, False].index(False) if rejected else number
+        if rows[model]["stamp"] != _stamp(rows[model], files, receipt_name(stage), *outputs[stage]):
+            return number
     return len(STAGES)
 
 
-def _names(folder):
+def _stamp(row, files, *names):
+    """Return the stamp of a model: of its key, and of size and time of these files, where they are there."""
+    numbers = array("q", [number for name in names for number in files.get(name, ABSENT)])
+    told = f"{row['status']} {row['key']} ".encode() + numbers.tobytes()
+    return hashlib.blake2b(told, digest_size=16).hexdigest()
+
+
+def _stat_files(model):
+    """Return size and time of every file in a model's folder, as far as there is one."""
+    files = {}
     try:
-        return set(os.listdir(folder))
-    except FileNotFoundError:
-        return set()
+        with os.scandir(MODELS_FOLDER / model) as entries:
+            for entry in entries:
+                try:
+                    stat = entry.stat()
+                except OSError:  # a link to nothing
+                    continue
+                files[entry.name] = stat.st_size, stat.st_mtime_ns
+    except OSError:
+        pass
+    return files

@@ -1,23 +1,25 @@
 """Reading and writing the files that the stages hand on.
 
 Parquet for tables, JSON for single facts. Every table is held against its
-declaration in :mod:`reebslice.schemas` on the way out and on the way in, and
-every file appears whole or not at all: it is written beside its place and
-renamed.
+declaration in :mod:`reebslice.schemas` on the way out and on the way in, where
+its ids are also held against the tables beside it that they point into.
 """
 
 import json
 import math
 import os
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from contextvars import ContextVar
+from functools import lru_cache
 from pathlib import Path
 
 import pyarrow as pa
 import pyarrow.parquet as pq
 
 from reebslice.schemas import FORMAT_VERSION, SCHEMAS
-from reebslice.table_checks import check_nulls, check_schema, check_table
+from reebslice.table_checks import REFERENCES, check_ids, check_nulls, check_schema, check_table
+
+from .whole_files import place_whole
 
 KEY = b"reebslice:content_key"
 TABLE = b"reebslice:table"
@@ -39,16 +41,35 @@ GEOPARQUET = {
 ENCODINGS = {pa.float64(): "BYTE_STREAM_SPLIT", pa.int32(): "DELTA_BINARY_PACKED"}
 
 _content_key = ContextVar("content_key", default="")
+_input_keys = ContextVar("input_keys", default=None)
+
+
+class AlteredFileError(ValueError):
+    """A file is not what was written there; the text says which, how it differs, and the cure.
+
+    Attributes
+    ----------
+    path : path-like
+        The file.
+    """
+
+    def __init__(self, path, text):
+        super().__init__(text)
+        self.path = path
 
 
 @contextmanager
-def content_key(key):
-    """Within this context every table written carries the content key `key`."""
-    token = _content_key.set(key)
+def content_key(key, inputs=None):
+    """Within this context every table written carries the content key `key`.
+
+    Of the tables read, those that `inputs` names, {file name: key}, must carry theirs.
+    """
+    tokens = _content_key.set(key), _input_keys.set(inputs)
     try:
         yield
     finally:
-        _content_key.reset(token)
+        _content_key.reset(tokens[0])
+        _input_keys.reset(tokens[1])
 
 
 def write_table(path, name, table, key=None):
@@ -82,12 +103,20 @@ def _as_declared(name, table):
 def read_table(path, name, without=()):
     """Return the table `name` from the Parquet file `path`, but for the columns `without`.
 
-    Raises ValueError when the file holds another table, was written in
-    another format version or does not match the declaration.
+    Raises AlteredFileError, which is a ValueError, when the file is no Parquet
+    file, holds another table or one of another content key than the
+    surrounding :func:`content_key` says, was written in another format version,
+    does not match the declaration, or holds ids that are not those of rows of
+    the tables beside it.
     """
-    file = _open_table(path, name)
-    wanted = [column for column in file.schema_arrow.names if column not in without]
-    return _without_nulls(path, name, file.read(wanted, use_threads=False))
+    path = Path(path)
+    with _refusal(path):
+        file = _open_table(path, name)
+        wanted = [column for column in file.schema_arrow.names if column not in without]
+        table = file.read(wanted, use_threads=False)
+        check_nulls(name, table)
+    _check_ids_beside(path, name, table)
+    return table
 
 
 def read_blocks(path, name, column):
@@ -95,33 +124,58 @@ def read_blocks(path, name, column):
 
     Of a column that is large one block is held at a time. Raises as :func:`read_table` does.
     """
-    file = _open_table(path, name)
-    for group in range(file.num_row_groups):
-        yield from _without_nulls(path, name, file.read_row_group(group, [column], use_threads=False))[column].chunks
+    path = Path(path)
+    with _refusal(path):
+        file = _open_table(path, name)
+        for group in range(file.num_row_groups):
+            table = file.read_row_group(group, [column], use_threads=False)
+            check_nulls(name, table)
+            yield from table[column].chunks
 
 
 def _open_table(path, name):
+    """Open the file, held against declaration, name, version and content key."""
     file = pq.ParquetFile(path, memory_map=True)  # files are replaced whole, never written in place
     metadata = file.schema_arrow.metadata or {}
     found = metadata.get(TABLE, b"").decode(), metadata.get(VERSION, b"").decode()
     if found != (name, FORMAT_VERSION):
         raise ValueError(
-            f"{path}: holds table {found[0]!r} in format {found[1]!r}, expected {name!r} in format "
-            f"{FORMAT_VERSION!r}; delete the file and run the workflow again"
+            f"holds table {found[0]!r} in format {found[1]!r}, expected {name!r} in format {FORMAT_VERSION!r}"
         )
-    try:
-        check_schema(name, file.schema_arrow)
-    except ValueError as error:
-        raise ValueError(f"{path}: {error}") from None
+    key, expected = metadata.get(KEY, b"").decode(), (_input_keys.get() or {}).get(path.name)
+    if expected not in (None, key):
+        raise ValueError(f"carries the content key {key!r}, but its receipt says {expected!r}: it is of other results")
+    check_schema(name, file.schema_arrow)
     return file
 
 
-def _without_nulls(path, name, table):
+@contextmanager
+def _refusal(path):
+    """Say of which file it is that it cannot be read, and what cures that."""
     try:
-        check_nulls(name, table)
-    except ValueError as error:
-        raise ValueError(f"{path}: {error}") from None
-    return table
+        yield
+    except (FileNotFoundError, MemoryError):
+        raise
+    except (ValueError, OSError, pa.ArrowException) as fault:
+        cure = "delete the file and run the workflow again"
+        raise AlteredFileError(path, f"{path}: {fault}; {cure}") from None
+
+
+def _check_ids_beside(path, name, table):
+    """Hold the ids of a table against the tables beside it that are there."""
+    rows = {name: table.num_rows}
+    for target in {target for _, target in REFERENCES.get(name, ())} - rows.keys():
+        beside = path.with_name(f"{target}.parquet")
+        with suppress(FileNotFoundError), _refusal(beside):
+            rows[target] = _count_rows(beside, beside.stat().st_mtime_ns)
+    with _refusal(path):
+        check_ids(name, table, rows)
+
+
+@lru_cache(maxsize=64)  # of one model many tables point into few
+def _count_rows(path, time):
+    """Return the number of rows of the Parquet file that was at the path at that time."""
+    return pq.ParquetFile(path).metadata.num_rows
 
 
 def read_key(path):
@@ -130,24 +184,27 @@ def read_key(path):
 
 
 def write_parquet(path, table):
-    """Write any table to `path`, compressed with snappy, whole or not at all."""
-    _write_row_groups(path, table.schema, [table])
+    """Write any table to `path`, compressed with snappy, whole or not at all.
+
+    It is on the disk before it appears, and its name when this returns.
+    """
+    _write_row_groups(path, table.schema, [table], durably=True)
 
 
-def _write_row_groups(path, schema, tables):
+def _write_row_groups(path, schema, tables, durably=False):
     words = [field.name for field in schema if pa.types.is_string(field.type)]
     raw = [field.name for field in schema if pa.types.is_binary(field.type)]
     compression = {name: "none" if name in raw else "snappy" for name in schema.names} if raw else "snappy"
     encodings = {field.name: ENCODINGS[field.type] for field in schema if field.type in ENCODINGS}
     style = {"compression": compression, "use_dictionary": words, "column_encoding": encodings}
-    with _placed(path) as scratch, pq.ParquetWriter(scratch, schema, **style) as writer:
+    with place_whole(path, durably) as scratch, pq.ParquetWriter(scratch, schema, **style) as writer:
         for table in tables:
             writer.write_table(table.replace_schema_metadata(schema.metadata))
 
 
 def write_text(path, text):
     """Write `text` to `path` in UTF-8, whole or not at all."""
-    with _placed(path) as scratch:
+    with place_whole(path) as scratch:
         scratch.write_text(text, encoding="utf-8")
 
 
@@ -168,19 +225,6 @@ def write_json(path, facts):
 def read_json(path):
     """Return what the JSON file `path` holds."""
     return json.loads(Path(path).read_text(encoding="utf-8"))
-
-
-@contextmanager
-def _placed(path):
-    """Give a scratch path in the folder of `path`; rename it there on success."""
-    path = Path(path)
-    path.parent.mkdir(parents=True, exist_ok=True)
-    scratch = path.with_name(f".writing-{os.getpid()}-{path.name}"[:200])
-    try:
-        yield scratch
-        os.replace(scratch, path)
-    finally:
-        scratch.unlink(missing_ok=True)
 
 
 def _plain(value):

@@ -1,8 +1,41 @@
-"""Tables made from columns, and held against their declaration."""
+"""Tables made from columns, and held against their declaration and against each other."""
 
+import numpy as np
 import pyarrow as pa
 
 from .schemas import SCHEMAS
+
+# Columns that count the rows of their table from 0.
+ROW_IDS = {name: name[:-1] for name in ("shells", "levels", "contours", "pieces", "handles", "nodes", "edges")} | {
+    "critical_points": "critical", "critical_arcs": "arc", "unfoldings": "unfolding",
+}  # fmt: skip
+# Foreign keys: of every table the columns that hold numbers of rows, or lists of
+# them, and the table whose rows they are. Regions are the rows of `nodes`, and no
+# more than there are contours; blocks, no more than pieces. A slab may also be -1.
+# The `handle` of an edge and the ends of an arc are not among them: where links are
+# guessed, they are joints of other numbers.
+REFERENCES = {
+    "faces": (("a", "vertices"), ("b", "vertices"), ("c", "vertices"), ("shell", "shells")),
+    "shells": (("body", "shells"), ("parent", "shells")),
+    "contours": (
+        ("level", "levels"), ("shell", "shells"), ("region", "nodes"), ("region", "contours"), ("parent", "contours"),
+        ("lower_vertex", "vertices"), ("upper_vertex", "vertices"),
+    ),
+    "unfoldings": (("vertex", "vertices"), ("first", "vertices"), ("last", "vertices")),
+    "pieces": (
+        ("slab", "levels"), ("shell", "shells"), ("block", "pieces"), ("below", "contours"), ("above", "contours"),
+        ("critical", "vertices"),
+    ),
+    "handles": (
+        ("slab", "levels"), ("piece", "pieces"), ("block", "pieces"), ("vertex", "vertices"), ("pair", "handles"),
+        ("contours_below", "contours"), ("contours_above", "contours"),
+        ("regions_below", "nodes"), ("regions_above", "nodes"),
+    ),
+    "critical_points": (("vertex", "vertices"), ("partner", "critical_points"), ("handle", "handles")),
+    "critical_arcs": (("source", "critical_points"), ("target", "critical_points")),
+    "nodes": (("level", "levels"), ("region", "nodes")),
+    "edges": (("source", "nodes"), ("target", "nodes"), ("slab", "levels")),
+}  # fmt: skip
 
 
 def build_table(name, columns):
@@ -52,3 +85,44 @@ def check_nulls(name, table):
     for column in table.column_names:
         if not SCHEMAS[name].field(column).nullable and table[column].null_count:
             raise ValueError(f"table {name}, column {column}: holds nulls, and may not")
+
+
+def check_ids(name, table, rows):
+    """Raise ValueError if a column that counts the rows does not, or one names a row that is not there.
+
+    Parameters
+    ----------
+    name : str
+    table : pyarrow.Table
+        As declared; it may lack columns.
+    rows : dict of str to int
+        Numbers of rows of the tables that are known. What points into another is not checked.
+    """
+    faults = list_id_faults(name, table, rows)
+    if faults:
+        raise ValueError(faults[0])
+
+
+def list_id_faults(name, table, rows):
+    """List what is wrong with the ids of a table, one sentence a column; parameters as for :func:`check_ids`."""
+    faults = []
+    counting = ROW_IDS.get(name)
+    if counting in table.column_names:
+        ids = _numbers(table[counting])
+        if not np.array_equal(ids, np.arange(len(ids))):
+            faults.append(f"Column {counting} of table {name} does not count its rows from 0.")
+    for column, target in REFERENCES.get(name, ()):
+        if column in table.column_names and target in rows:
+            ids, lowest = _numbers(table[column]), -1 if column == "slab" else 0
+            if len(ids) and not (ids.min() >= lowest and ids.max() < rows[target]):
+                faults.append(f"Column {column} of table {name} names a row that table {target} does not have.")
+    return faults
+
+
+def _numbers(column):
+    """Return the numbers of a column, those in its lists one after the other, without nulls."""
+    array = column.combine_chunks()
+    array = array.flatten() if pa.types.is_list(column.type) else array
+    if array.null_count:
+        return np.array([number for number in array.to_pylist() if number is not None], np.int64)
+    return np.from_dlpack(array)  # its own to_numpy would import pandas

@@ -59,8 +59,9 @@ def read_mesh(path: str | PathLike[str]) -> MeshFile:
             f" one of {', '.join(SUFFIXES)}."
         )
     _check_content(path)
+    reader = _find_reader(ending)  # what goes wrong here is no fault of the mesh
     try:
-        mesh = _find_reader(ending)(path)
+        mesh = reader(path)
     except MeshFormatError as error:
         raise MeshFormatError(_shorten(str(error))) from error
     except (ImportError, MemoryError, OSError):  # these are no faults of the mesh

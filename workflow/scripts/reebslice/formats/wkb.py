@@ -3,6 +3,7 @@
 import numpy as np
 import pyarrow as pa
 
+from ..errors import ReebsliceError
 from ..kernels import njit
 from ..planar.curves import Curves
 
@@ -86,12 +87,20 @@ def unpack_curves(blocks, most):
     -------
     Curves
         Closed curves, one block after the other.
+
+    Raises
+    ------
+    ReebsliceError
+        A binary has not the length of a line string, or all have more points than that.
     """
     points, starts, place = np.empty((most, 2)), [np.zeros(1, np.int64)], 0
     for block in blocks:
         _, ends, data = (np.frombuffer(buffer or b"", np.uint8) for buffer in block.buffers())
         ends = ends.view("<i4")[block.offset : block.offset + len(block) + 1]
-        stops = place + np.cumsum((np.diff(ends) - HEADER) // POINT, dtype=np.int64)
+        count, rest = np.divmod(np.diff(ends) - HEADER, POINT)
+        stops = place + np.cumsum(count, dtype=np.int64)
+        if rest.any() or (count < 1).any() or stops.max(initial=place) > most:
+            raise ReebsliceError("the curves of contours are not the line strings that their rows tell of")
         _unpack(data, ends, stops, points.view(np.uint8))
         starts.append(stops)
         place = stops[-1] if len(stops) else place

@@ -7,9 +7,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ..errors import ReebsliceError, TooManyCrossingsError
-
-# Every level takes rows of tables and objects of Python, some kilobytes of memory.
-MOST_LEVELS = 1_000_000
+from .sampling_rule import MOST_LEVELS
 
 
 class Levels(NamedTuple):

@@ -1,5 +1,7 @@
 """The paper's sampling rule, apart from all that takes time to load: planning a run asks for it, too."""
 
+MOST_LEVELS = 1_000_000  # each takes rows of tables and objects of Python, some kilobytes of memory
+
 
 def sampling_rule(distance, feature_size):
     """Apply the paper's sampling rule: features of size d need levels at a distance of d / 2.

@@ -10,30 +10,9 @@ import numpy as np
 import pyarrow as pa
 
 from ...schemas import EVENTS, GRAPHS, MODEL_TABLES, OPERATIONS, PAIRINGS, PIECE_KINDS
-from ...table_checks import check_table
+from ...table_checks import check_table, list_id_faults
 from ..graphml import ReadGraph
 
-KEYS = {name: name[:-1] for name in ("shells", "levels", "contours", "pieces", "handles", "nodes", "edges")} | {
-    "critical_points": "critical", "critical_arcs": "arc", "unfoldings": "unfolding",
-}  # fmt: skip
-# (table, column, the table that its numbers are rows of)
-REFERENCES = (
-    ("faces", "a", "vertices"), ("faces", "b", "vertices"), ("faces", "c", "vertices"), ("faces", "shell", "shells"),
-    ("shells", "body", "shells"), ("shells", "parent", "shells"),
-    ("contours", "level", "levels"), ("contours", "shell", "shells"), ("contours", "parent", "contours"),
-    ("contours", "region", "nodes"), ("contours", "lower_vertex", "vertices"), ("contours", "upper_vertex", "vertices"),
-    ("unfoldings", "vertex", "vertices"), ("unfoldings", "first", "vertices"), ("unfoldings", "last", "vertices"),
-    ("pieces", "shell", "shells"), ("pieces", "below", "contours"), ("pieces", "above", "contours"),
-    ("pieces", "critical", "vertices"), ("pieces", "block", "pieces"),
-    ("handles", "piece", "pieces"), ("handles", "block", "pieces"), ("handles", "vertex", "vertices"),
-    ("handles", "contours_below", "contours"), ("handles", "contours_above", "contours"),
-    ("handles", "regions_below", "nodes"), ("handles", "regions_above", "nodes"),
-    ("handles", "pair", "handles"), ("critical_points", "vertex", "vertices"),
-    ("critical_points", "partner", "critical_points"), ("critical_points", "handle", "handles"),
-    ("critical_arcs", "source", "critical_points"), ("critical_arcs", "target", "critical_points"),
-    ("nodes", "level", "levels"), ("nodes", "region", "nodes"),
-    ("edges", "source", "nodes"), ("edges", "target", "nodes"), ("edges", "handle", "handles"),
-)  # fmt: skip
 WORDS = (
     ("levels", "why", ("uniform", "refined")), ("pieces", "kind", PIECE_KINDS), ("handles", "side", ("A", "B")),
     ("handles", "operation", OPERATIONS), ("handles", "change", (None, *EVENTS)), ("handles", "index", (0, 1, 2)),
@@ -52,13 +31,8 @@ def check_form(facts, ledger):
         return
     facts.columns = SimpleNamespace(**{name: _columns(facts.tables[name]) for name in MODEL_TABLES})
     size = {name: facts.tables[name].num_rows for name in MODEL_TABLES}
-    for name, key in KEYS.items():
-        if not np.array_equal(getattr(facts.columns, name)[key], np.arange(size[name])):
-            faults.append(f"Column {key} of table {name} does not count its rows from 0.")
-    for name, column, target in REFERENCES:
-        values = _flat(getattr(facts.columns, name)[column])
-        if len(values) and not (values.min() >= 0 and values.max() < size[target]):
-            faults.append(f"Column {column} of table {name} names a row that table {target} does not have.")
+    for name in MODEL_TABLES:
+        faults += list_id_faults(name, facts.tables[name], size)
     for name, column, words in WORDS:
         odd = set(getattr(facts.columns, name)[column]) - set(words)
         if odd:
@@ -114,11 +88,3 @@ def _columns(table):
         else:
             out[field.name] = np.array(column.to_pylist(), bool if pa.types.is_boolean(field.type) else object)
     return out
-
-
-def _flat(values):
-    """The numbers of a column, those in its lists one after the other, without nulls."""
-    if isinstance(values, np.ndarray):
-        return values
-    flat = [v for value in values if value is not None for v in (value if isinstance(value, list) else [value])]
-    return np.array(flat, np.int64)
