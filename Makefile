@@ -6,7 +6,7 @@
 # make test-slurm  the workflow through a SLURM that it brings up here and takes down again (root, Debian)
 # make tables  docs/tables.md, after a change of the schemas
 # make audit   ask whether a locked package is known to be vulnerable; skipped where the service is not reached
-# make fuzz    read 20,000 damaged files (ROUNDS=...): only meshes, tables and sentences may come of them
+# make fuzz    read 20,000 damaged files (FILES=...): only meshes, tables and sentences may come of them
 # make lock    pin all packages, with the hashes of their files, after a change of pyproject.toml (UPGRADE=1: anew)
 # make clean   remove the environment and what was compiled, never results
 #
@@ -14,6 +14,8 @@
 
 PYTHON ?= python3
 CORES ?= 2
+ROUNDS ?= 300
+FILES ?= 20000
 VENV := .venv
 BIN := $(VENV)/bin
 READY := $(VENV)/.ready
@@ -29,7 +31,7 @@ test: $(READY)
 	$(BIN)/python -m pytest -n $(CORES) --dist loadfile
 
 test-faults: $(READY)
-	$(BIN)/python tests/faults.py $(or $(ROUNDS),300)
+	$(BIN)/python tests/faults.py $(ROUNDS)
 
 check: $(READY)
 	$(BIN)/python check.py results
@@ -67,7 +69,7 @@ audit: $(READY)
 	$(BIN)/python .ci/audit.py requirements.lock
 
 fuzz: $(READY)
-	$(BIN)/python tests/fuzz_readers.py --rounds $(or $(ROUNDS),20000)
+	$(BIN)/python tests/fuzz_readers.py --rounds $(FILES)
 
 # For every system and Python that pyproject.toml allows; what is pinned stays, unless UPGRADE is set.
 lock: $(READY)

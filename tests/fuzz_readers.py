@@ -112,8 +112,8 @@ def _read_curves(path):
     curves, drawn = read_curves(halves)
     area = measure_curves(*curves)[0]
     for k, blob in enumerate(blobs[::2] + blobs[1::2]):
-        line = shapely.from_wkb(blob, on_invalid="ignore")
-        plain = blob[:5] == bytes.fromhex("0102000000") and line is not None and len(line.coords) > 1
+        line = shapely.from_wkb(blob, on_invalid="ignore") if blob[:5] == bytes.fromhex("0102000000") else None
+        plain = line is not None and len(line.coords) > 1
         points = np.array(line.coords) if plain else np.full((1, 2), np.nan)
         whole = plain and len(blob) == 9 + 16 * len(points)
         closed = bool(whole and np.isfinite(points).all() and (points[0] == points[-1]).all())
@@ -168,9 +168,10 @@ def serve(warm=True):
 
 def _warm_up():
     """Read sound files once, so that what is loaded and compiled is not taken for what a file costs."""
-    from fuzz_seeds import mesh_files
+    from fuzz_seeds import LOOP, mesh_files
 
-    for kind, files in mesh_files().items():
+    sound = mesh_files() | {"curves": [json.dumps([LOOP.hex()]).encode()]}
+    for kind, files in sound.items():
         for data in files:
             with tempfile.TemporaryDirectory() as folder:
                 path = Path(folder, "sound" + kind)

@@ -2,6 +2,7 @@
 
 import json
 import os
+import socket
 import subprocess
 import sys
 from pathlib import Path
@@ -62,6 +63,33 @@ def test_links_are_followed_and_loops_left():
     os.symlink("../elsewhere", "m/link")
     os.symlink("..", "elsewhere/up")
     assert set(find_models("m")[0]) >= {"a", "link__b"}
+
+
+def test_each_folder_is_searched_once_in_its_own_place_first():
+    folders = "abcdefghi"  # each with a link to every other: as many paths as there are orders of them
+    put(*(f"m/{name}/{name}.stl" for name in folders), "elsewhere/x.stl")
+    for name in folders:
+        for other in folders:
+            os.symlink(f"../{other}", f"m/{name}/0{other}")
+    os.symlink("../elsewhere", "m/y")
+    os.symlink("../elsewhere", "m/z")
+    models, others = find_models("m")
+    assert list(models) == [*(f"{name}__{name}" for name in folders), "y__x"]
+    assert len(others) == 82 and "m/z (a link to a folder that is searched already)" in others
+
+
+def test_names_of_meshes_that_are_no_files_are_told():
+    put("m/a.stl")
+    os.mkfifo("m/pipe.stl")
+    with socket.socket(socket.AF_UNIX) as one:
+        one.bind("m/socket.stl")
+    os.symlink("nowhere.stl", "m/gone.stl")
+    os.symlink("round.stl", "m/round.stl")
+    models, others = find_models("m")
+    assert list(models) == ["a"]
+    assert [told.partition(" (no file")[0] for told in others] == [
+        f"m/{name}.stl" for name in ("gone", "pipe", "round", "socket")
+    ]
 
 
 @pytest.mark.parametrize(

@@ -59,7 +59,7 @@ def find_models(folder, beside=("results", ".snakemake")):
         )
     skipped = {os.path.realpath(path) for path in beside}
     models, others = {}, []
-    for path, entry, fault in _walk(folder, skipped, set()):
+    for path, entry, fault in _walk(folder, skipped):
         stem, ending = os.path.splitext(path)
         if fault or ending.lower() not in ENDINGS:
             others += [f"{path} ({fault})" if fault else path] if ending.lower() not in COMPANIONS else []
@@ -90,15 +90,29 @@ def _stamp(path, entry):
     return InputFile(path, stat.st_size, stat.st_mtime_ns, companions)
 
 
-def _walk(folder, skipped, seen):
+def _walk(folder, skipped):
     """Yield (path, entry, '') of what is below `folder` but hidden names, links followed.
 
-    Where no file is, or a folder that cannot be read, (path, None, what is wrong).
+    Each folder is searched once, whatever links lead to it: in its own place where that is below `folder`, else by the
+    first link. Where no file is, or a folder that was searched already or cannot be read, (path, None, what is wrong).
     """
+    seen, waiting = set(), [folder]
+    while waiting:
+        links = []  # to folders: followed when all that is no link has been
+        for path in sorted(waiting):
+            yield from _search(path, skipped, seen, links)
+        waiting = links
+
+
+def _search(folder, skipped, seen, links):
+    """Yield what :func:`_walk` does of one folder and of those below it, and put links to folders to `links`."""
     real = os.path.realpath(folder)
-    if real in skipped or real in seen:
+    if real in skipped:
         return
-    seen = seen | {real}  # of this branch only: a link to a sibling is fine, one to an ancestor is a loop
+    if real in seen:
+        yield folder, None, "a link to a folder that is searched already"
+        return
+    seen.add(real)
     try:
         with os.scandir(folder) as found:
             entries = sorted(found, key=lambda entry: entry.name)
@@ -107,18 +121,20 @@ def _walk(folder, skipped, seen):
         return
     for entry in entries:
         if not entry.name.startswith("."):
-            yield from _look_at(entry, skipped, seen)
+            yield from _look_at(entry, skipped, seen, links)
 
 
-def _look_at(entry, skipped, seen):
-    """Yield what :func:`_walk` does of one name in a folder."""
+def _look_at(entry, skipped, seen, links):
+    """Yield what :func:`_search` does of one name in a folder."""
     try:
         is_folder, is_file = entry.is_dir(), entry.is_file()
     except OSError as fault:  # a link to itself, among others
         yield entry.path, None, f"no file: {fault.strerror}"
         return
-    if is_folder:
-        yield from _walk(entry.path, skipped, seen)
+    if is_folder and entry.is_symlink():
+        links.append(entry.path)
+    elif is_folder:
+        yield from _search(entry.path, skipped, seen, links)
     elif is_file:
         yield entry.path, entry, ""
     else:

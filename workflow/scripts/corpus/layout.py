@@ -35,8 +35,17 @@ STATUS_SCHEMA = pa.schema(
 
 
 def read_status(path):
-    """Return the rows of a status table as dictionaries."""
-    return pq.ParquetFile(path).read().to_pylist()
+    """Return the rows of a status table as dictionaries; raise ValueError where the file holds none."""
+    try:
+        table = pq.ParquetFile(path).read()
+        if not table.schema.equals(STATUS_SCHEMA):
+            raise ValueError("its columns are others")
+        return table.to_pylist()
+    except (OSError, ValueError, pa.ArrowException) as error:
+        if isinstance(error, OSError) and error.errno is not None:
+            raise  # the disk's fault, not the file's: pyarrow says both so
+        told = str(error).strip().splitlines() or [type(error).__name__]
+        raise ValueError(f"{path}: is no status table ({told[0]}); delete it and run the workflow again") from error
 
 
 STATUS_FOLDER = Path("results/status")
