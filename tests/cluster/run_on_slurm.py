@@ -12,6 +12,7 @@ with one that holds a local run already, that is what is compared with.
 """
 
 import os
+import shlex
 import signal
 import subprocess
 import sys
@@ -51,12 +52,18 @@ GENERIC += ("--cluster-generic-status-cmd", str(HERE / "job_status.sh"), "--clus
 
 @dataclass(frozen=True)
 class Way:
-    """One way to run the workflow: arguments of Snakemake, whether it is disturbed, and what it has to say."""
+    """One way to run the workflow.
+
+    Its name; arguments of Snakemake; whether a job is cancelled and the node
+    drained on the way; what Snakemake has to say; and the command that takes
+    Snakemake itself into a job, if so.
+    """
 
     name: str
     arguments: tuple
     disturbed: bool = False
     says: tuple = ()
+    launcher: tuple = ()
 
 
 WAYS = (
@@ -87,6 +94,11 @@ WAYS = (
     Way(
         "one job for two batches",
         ("--workflow-profile", str(PROFILES / "slurm"), "--group-components", "batch=2", *POLL),
+    ),
+    Way(
+        "all in one job",
+        ("--workflow-profile", str(PROFILES / "long"), "--cores", "2"),
+        launcher=("sbatch", "--wait", "--cpus-per-task=2", "--mem=4000", "--time=120", "--output=run.log", "--wrap"),
     ),
 )
 
@@ -149,7 +161,7 @@ def try_way(folder, way):
     disturbance = threading.Thread(target=disturb, args=(before,), daemon=True)
     if way.disturbed:
         disturbance.start()
-    said = run(folder, way.name, way.arguments)
+    said = run(folder, way.name, way.arguments, way.launcher)
     seconds = round(time.perf_counter() - start)
     if way.disturbed:
         disturbance.join()
@@ -166,14 +178,16 @@ def try_way(folder, way):
     return way.name, seconds, processor, counts, compared, "; ".join(wrong) or "nothing"
 
 
-def run(folder, name, arguments):
-    """Run Snakemake in a folder of its own; return what it said."""
+def run(folder, name, arguments, launcher=()):
+    """Run Snakemake in a folder of its own, itself or as the last argument of `launcher`; return what it said."""
     say(f"{name}: begins")
     place = folder / name
     place.mkdir()
     command = [sys.executable, "-m", "snakemake", *TARGETS, "--snakefile", ROOT / "Snakefile", "--directory", place]
     command += [*QUICK, *arguments, "--config", f"meshes={folder / 'meshes'}", *CONFIG]
-    with open(place / "run.log", "w") as log:
+    if launcher:
+        command = [*launcher, shlex.join(map(str, command))]
+    with open(place / ("launch.log" if launcher else "run.log"), "w") as log:
         done = subprocess.run(command, stdout=log, stderr=subprocess.STDOUT, cwd=place, check=False)
     if done.returncode:
         say(f"{name}: Snakemake ended with {done.returncode}, see {place / 'run.log'}")
