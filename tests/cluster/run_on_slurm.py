@@ -66,16 +66,16 @@ class Way:
     launcher: tuple = ()
 
 
-WAYS = (
+ALL_WAYS = (
     Way(
         "one job per batch",
-        ("--workflow-profile", str(PROFILES / "slurm"), *POLL),
+        ("--workflow-profile", str(PROFILES / "slurm"), *POLL, *QUICK),
         disturbed=True,
         says=("Trying to restart job",),
     ),
     Way(
         "single jobs",
-        ("--executor", "slurm", "--slurm-status-command", "squeue", "--jobs", "20", "--retries", "1", *POLL),
+        ("--executor", "slurm", "--slurm-status-command", "squeue", "--jobs", "20", "--retries", "1", *POLL, *QUICK),
         disturbed=True,
         says=("Trying to restart job",),
     ),
@@ -87,13 +87,13 @@ WAYS = (
     ),
     Way(
         "cluster-generic",
-        (*GENERIC, "--jobs", "20", "--retries", "1", "--max-jobs-per-timespan", "1/2s", "--groups", *GROUPS),
+        (*GENERIC, "--jobs", "20", "--retries", "1", "--max-jobs-per-timespan", "1/2s", *QUICK, "--groups", *GROUPS),
         disturbed=True,
         says=("Trying to restart job", "Job rate limit reached"),
     ),
     Way(
         "one job for two batches",
-        ("--workflow-profile", str(PROFILES / "slurm"), "--group-components", "batch=2", *POLL),
+        ("--workflow-profile", str(PROFILES / "slurm"), "--group-components", "batch=2", *POLL, *QUICK),
     ),
     Way(
         "all in one job",
@@ -101,6 +101,9 @@ WAYS = (
         launcher=("sbatch", "--wait", "--cpus-per-task=2", "--mem=4000", "--time=120", "--output=run.log", "--wrap"),
     ),
 )
+
+
+WAYS = {way.name: way for way in ALL_WAYS}
 
 
 def main(folder=None, *names):
@@ -115,7 +118,7 @@ def main(folder=None, *names):
         run(folder, "local", ("--cores", "2"))
     os.environ["PYTHONPATH"] = os.pathsep.join(filter(None, (f"{folder}/plugins", os.environ.get("PYTHONPATH"))))
     with slurm(folder / "slurm"):
-        outcomes = [try_way(folder, way) for way in WAYS if way.name in names or not names]
+        outcomes = [try_way(folder, WAYS[name]) for name in names or WAYS]
     print("\nway, seconds, processor seconds of the jobs, jobs by state, result files compared, what is wrong")
     for outcome in outcomes:
         print(*outcome, sep=", ")
@@ -184,7 +187,7 @@ def run(folder, name, arguments, launcher=()):
     place = folder / name
     place.mkdir()
     command = [sys.executable, "-m", "snakemake", *TARGETS, "--snakefile", ROOT / "Snakefile", "--directory", place]
-    command += [*QUICK, *arguments, "--config", f"meshes={folder / 'meshes'}", *CONFIG]
+    command += [*arguments, "--config", f"meshes={folder / 'meshes'}", *CONFIG]
     if launcher:
         command = [*launcher, shlex.join(map(str, command))]
     with open(place / ("launch.log" if launcher else "run.log"), "w") as log:
