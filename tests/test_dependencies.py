@@ -120,7 +120,7 @@ def test_everything_imported_is_stated():
     provider = metadata.packages_distributions()
     stated_for_runs = set(stated(OF_RUNS))
     for folder, allowed in (("workflow", stated_for_runs), ("tests", stated_for_runs | set(stated(EXTRAS["test"])))):
-        own = {path.stem for path in ROOT.glob("workflow/scripts/*")} | {path.stem for path in ROOT.glob("tests/*")}
+        own = {path.stem for path in ROOT.glob("workflow/scripts/*")} | {path.stem for path in ROOT.glob("tests/**/*")}
         for name in imported(folder) - own - set(sys.stdlib_module_names):
             found = {canonical(distribution) for distribution in provider.get(name, [name])}
             assert found & allowed, f"{folder} imports {name}, which pyproject.toml does not state"

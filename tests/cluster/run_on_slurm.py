@@ -12,6 +12,7 @@ with one that holds a local run already, that is what is compared with.
 """
 
 import os
+import shlex
 import signal
 import subprocess
 import sys
@@ -51,24 +52,30 @@ GENERIC += ("--cluster-generic-status-cmd", str(HERE / "job_status.sh"), "--clus
 
 @dataclass(frozen=True)
 class Way:
-    """One way to run the workflow: arguments of Snakemake, whether it is disturbed, and what it has to say."""
+    """One way to run the workflow.
+
+    Its name; arguments of Snakemake; whether a job is cancelled and the node
+    drained on the way; what Snakemake has to say; and the command that takes
+    Snakemake itself into a job, if so.
+    """
 
     name: str
     arguments: tuple
     disturbed: bool = False
     says: tuple = ()
+    launcher: tuple = ()
 
 
-WAYS = (
+ALL_WAYS = (
     Way(
         "one job per batch",
-        ("--workflow-profile", str(PROFILES / "slurm"), *POLL),
+        ("--workflow-profile", str(PROFILES / "slurm"), *POLL, *QUICK),
         disturbed=True,
         says=("Trying to restart job",),
     ),
     Way(
         "single jobs",
-        ("--executor", "slurm", "--slurm-status-command", "squeue", "--jobs", "20", "--retries", "1", *POLL),
+        ("--executor", "slurm", "--slurm-status-command", "squeue", "--jobs", "20", "--retries", "1", *POLL, *QUICK),
         disturbed=True,
         says=("Trying to restart job",),
     ),
@@ -80,15 +87,23 @@ WAYS = (
     ),
     Way(
         "cluster-generic",
-        (*GENERIC, "--jobs", "20", "--retries", "1", "--max-jobs-per-timespan", "1/2s", "--groups", *GROUPS),
+        (*GENERIC, "--jobs", "20", "--retries", "1", "--max-jobs-per-timespan", "1/2s", *QUICK, "--groups", *GROUPS),
         disturbed=True,
         says=("Trying to restart job", "Job rate limit reached"),
     ),
     Way(
         "one job for two batches",
-        ("--workflow-profile", str(PROFILES / "slurm"), "--group-components", "batch=2", *POLL),
+        ("--workflow-profile", str(PROFILES / "slurm"), "--group-components", "batch=2", *POLL, *QUICK),
+    ),
+    Way(
+        "all in one job",
+        ("--workflow-profile", str(PROFILES / "long"), "--cores", "2"),
+        launcher=("sbatch", "--wait", "--cpus-per-task=2", "--mem=4000", "--time=120", "--output=run.log", "--wrap"),
     ),
 )
+
+
+WAYS = {way.name: way for way in ALL_WAYS}
 
 
 def main(folder=None, *names):
@@ -103,7 +118,7 @@ def main(folder=None, *names):
         run(folder, "local", ("--cores", "2"))
     os.environ["PYTHONPATH"] = os.pathsep.join(filter(None, (f"{folder}/plugins", os.environ.get("PYTHONPATH"))))
     with slurm(folder / "slurm"):
-        outcomes = [try_way(folder, way) for way in WAYS if way.name in names or not names]
+        outcomes = [try_way(folder, WAYS[name]) for name in names or WAYS]
     print("\nway, seconds, processor seconds of the jobs, jobs by state, result files compared, what is wrong")
     for outcome in outcomes:
         print(*outcome, sep=", ")
@@ -149,7 +164,7 @@ def try_way(folder, way):
     disturbance = threading.Thread(target=disturb, args=(before,), daemon=True)
     if way.disturbed:
         disturbance.start()
-    said = run(folder, way.name, way.arguments)
+    said = run(folder, way.name, way.arguments, way.launcher)
     seconds = round(time.perf_counter() - start)
     if way.disturbed:
         disturbance.join()
@@ -166,14 +181,16 @@ def try_way(folder, way):
     return way.name, seconds, processor, counts, compared, "; ".join(wrong) or "nothing"
 
 
-def run(folder, name, arguments):
-    """Run Snakemake in a folder of its own; return what it said."""
+def run(folder, name, arguments, launcher=()):
+    """Run Snakemake in a folder of its own, itself or as the last argument of `launcher`; return what it said."""
     say(f"{name}: begins")
     place = folder / name
     place.mkdir()
     command = [sys.executable, "-m", "snakemake", *TARGETS, "--snakefile", ROOT / "Snakefile", "--directory", place]
-    command += [*QUICK, *arguments, "--config", f"meshes={folder / 'meshes'}", *CONFIG]
-    with open(place / "run.log", "w") as log:
+    command += [*arguments, "--config", f"meshes={folder / 'meshes'}", *CONFIG]
+    if launcher:
+        command = [*launcher, shlex.join(map(str, command))]
+    with open(place / ("launch.log" if launcher else "run.log"), "w") as log:
         done = subprocess.run(command, stdout=log, stderr=subprocess.STDOUT, cwd=place, check=False)
     if done.returncode:
         say(f"{name}: Snakemake ended with {done.returncode}, see {place / 'run.log'}")
