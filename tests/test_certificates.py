@@ -206,6 +206,25 @@ def test_every_column_is_held_against_the_mesh(name, column):
     assert caught(alter(tables, name, change), tilt, graphs)
 
 
+LISTS = [("pieces", "below"), ("pieces", "above")] + [
+    ("handles", f"{items}_{end}") for items in ("contours", "regions") for end in ("below", "above")
+]
+
+
+@pytest.mark.parametrize("name, column", LISTS)
+def test_lists_are_held_against_the_mesh_in_their_order(name, column):
+    tables, tilt, graphs = results("mixture")
+    row = next(k for k, members in enumerate(tables[name][column].to_pylist()) if len(members) > 1)
+    assert caught(alter(tables, name, lambda rows: rows[row][column].reverse()), tilt, graphs)
+
+
+@pytest.mark.parametrize("name, column", [("contours", "parent"), ("edges", "handle"), ("levels", "tie_x")])
+def test_numbers_for_null_are_caught(name, column):
+    tables, tilt, graphs = results("mixture")
+    row, number = tables[name][column].to_pylist().index(None), 0.5 if column == "tie_x" else -1
+    assert caught(alter(tables, name, lambda rows: rows[row].update({column: number})), tilt, graphs)
+
+
 @pytest.mark.parametrize("name", list(TABLES))
 def test_a_row_too_few_or_too_many_is_caught(name):
     tables, tilt, graphs = results("mixture")

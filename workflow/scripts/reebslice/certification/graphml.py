@@ -1,11 +1,14 @@
 """Graphs read back from GraphML as their users read them."""
 
+from collections.abc import Callable
 from typing import NamedTuple
 from xml.parsers import expat
 
 WORDS = {"true": True, "false": False, "1": True, "0": False}
-TYPES = {"string": str, "int": int, "long": int, "float": float, "double": float}
-TYPES["boolean"] = lambda text: WORDS[text.lower()]
+TYPES: dict[str, Callable] = {
+    "string": str, "int": int, "long": int, "float": float, "double": float,
+    "boolean": lambda text: WORDS[text.lower()],
+}  # fmt: skip
 
 
 class ReadGraph(NamedTuple):

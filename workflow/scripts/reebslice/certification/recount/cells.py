@@ -43,13 +43,13 @@ class Cells(NamedTuple):
     origin : the first face of the run
     start : the cell of face f in level or slab k is start[f - origin] + k
     part : (N,) int32, the component of each cell
-    count : P
+    n_parts : P
     """
 
     origin: int
     start: np.ndarray
     part: np.ndarray
-    count: int
+    n_parts: int
 
     def of(self, face, k):
         """Find the component of faces in levels or slabs that they meet.
@@ -124,13 +124,9 @@ def measure_contours(surface, cut, run, cells, doubled):
     area, perimeter : (P,) float64
         The area is signed, negative for holes.
     """
-    level, shell, loose = (
-        np.empty(cells.count, np.int64),
-        np.empty(cells.count, np.int64),
-        np.zeros(cells.count, np.int64),
-    )
-    n_points, area, perimeter = np.zeros(cells.count, np.int64), np.zeros(cells.count), np.zeros(cells.count)
-    place, seen_from = cut.place, np.empty((cells.count, 2))
+    n, place = cells.n_parts, cut.place
+    level, shell, n_points, loose = np.zeros((4, n), np.int64)
+    area, perimeter, seen_from = np.zeros(n), np.zeros(n), np.empty((n, 2))
     for f in range(run.faces[0], run.faces[1]):
         a, b, c = surface.corners[f]
         first, last = max(place[a], run.first), min(place[c], run.last)
@@ -217,18 +213,11 @@ def measure_pieces(surface, cut, run, cells):
         cell's level segment sweeps around the middle of its shell. A face
         within one horizontal plane counts whole where its middle corner lies.
     """
-    slab, shell, euler = (
-        np.empty(cells.count, np.int64),
-        np.empty(cells.count, np.int64),
-        np.zeros(cells.count, np.int64),
-    )
-    area, flux = np.zeros(cells.count), np.zeros(cells.count)
+    n, place = cells.n_parts, cut.place
+    (slab, shell, euler), (area, flux) = np.zeros((3, n), np.int64), np.zeros((2, n))
     for f in range(run.faces[0], run.faces[1]):
-        low, middle, high = (
-            cut.place[surface.corners[f, 0]],
-            cut.place[surface.corners[f, 1]],
-            cut.place[surface.corners[f, 2]],
-        )
+        a, b, c = surface.corners[f]
+        low, middle, high = place[a], place[b], place[c]
         bottom, top = max(low, run.first), min(high + 1, run.last)
         if bottom >= top:
             continue

@@ -153,7 +153,7 @@ class _Parts:
             here = slice(*np.searchsorted(k, (run.first, run.last)))
             found[here] = cells.of(face[here], k[here]) + self.count
         self.measures.append(measures)
-        self.count += cells.count
+        self.count += cells.n_parts
 
     def columns(self):
         return map(np.concatenate, zip(*self.measures))

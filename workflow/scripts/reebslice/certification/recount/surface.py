@@ -151,8 +151,7 @@ def find_mesh_edges(surface):
     n, low = len(surface.points), surface.corners[:, [0, 1, 0]].ravel()
     order = _count_sort(low, n)
     closed, *columns = _pair_halves(surface.corners, surface.even, n, low, order)
-    by_upper = _count_sort(columns[1], n)
-    return MeshEdges(*columns, by_upper) if closed else None
+    return MeshEdges(*columns, _count_sort(columns[1], n)) if closed else None  # else not all ends are filled in
 
 
 @njit
