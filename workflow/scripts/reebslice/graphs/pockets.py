@@ -128,14 +128,15 @@ def find_islands(
     points, faces, rotation, body_of_vertex
         As for :func:`exact_graphs`.
     least_depth : float
-        Islands that join within less height are left out, mesh units.
+        Islands that join within less height are left out, mesh units, and what
+        begins no higher above the lowest point of all stands as well as that.
 
     Returns
     -------
     Pockets
-        All of the kind ``island``: the minima of the solid other than the lowest
-        point of all, on which it stands. A body that does not begin at the
-        height of that point is an island that never joins.
+        All of the kind ``island``: the minima of the solid above the lowest
+        height of all, at which it stands. A body that begins above that height is
+        an island that never joins.
 
     Raises
     ------
@@ -160,10 +161,11 @@ def find_islands(
     nodes, arcs = solid_reeb_graph(mesh, graph, body)
     pairs = extended_pairs(len(nodes), arcs)
     height = mesh.points[nodes, 2]
-    floating = pairs.extremes[height[pairs.extremes[:, 0]] > height[0]]
-    islands = ((pairs.ordinary, False), (floating, True))
-    found = (("island", nodes[_deep(mesh, nodes, chosen, least_depth)], whole) for chosen, whole in islands)
-    return _measure(mesh, graph, body, tuple(found))
+    found = []
+    for chosen, whole in ((pairs.ordinary, False), (pairs.extremes, True)):
+        chosen = chosen[height[chosen[:, 0]] > height[0] + least_depth]
+        found.append(("island", nodes[_deep(mesh, nodes, chosen, least_depth)], whole))
+    return _measure(mesh, graph, body, found)
 
 
 def _same_component(count, arcs, node):

@@ -43,12 +43,28 @@ def void_mesh(points, faces, rotation):
         As of `height_mesh`.
     """
     points, faces = take_mesh(points, faces)
-    tilted = tilt_points(points, take_rotation(rotation))
-    spots = tilted[find_used(len(points), faces)]
+    return height_mesh(*box_in(tilt_points(points, take_rotation(rotation)), faces))
+
+
+def box_in(points, faces):
+    """Turn a surface inside out and put it into an upright box of three times its size and more.
+
+    Parameters
+    ----------
+    points : (n, 3) float64
+    faces : (m, 3) int
+
+    Returns
+    -------
+    points : (n + 8, 3) float64
+        The corners of the box come last.
+    faces : (m + 12, 3) int
+    """
+    spots = points[find_used(len(points), faces)]
     low, high = spots.min(axis=0), spots.max(axis=0)
     margin = (high - low).max()
     box = low - margin + _CORNERS * (high - low + 2 * margin)
-    return height_mesh(np.concatenate([tilted, box]), np.concatenate([faces[:, ::-1], _FACES + len(points)]))
+    return np.concatenate([points, box]), np.concatenate([faces[:, ::-1], _FACES + len(points)])
 
 
 def void_reeb_graph(points: Any, faces: ArrayLike | None = None, rotation: ArrayLike | None = None) -> ExactGraph:
