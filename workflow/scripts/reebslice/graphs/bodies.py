@@ -1,6 +1,6 @@
 """Closed meshes of pockets and islands, cut out of the void or the solid by manifold3d."""
 
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -63,32 +63,42 @@ def pocket_bodies(
     tilted = tilt_points(points, matrix)
     gap = NEAR * np.ptp(tilted[find_used(len(points), faces), 2])
     wholes: dict = {}
-    shells: dict = {}
+    parts: dict = {}
     bodies = []
     for row, (kind, low, high) in enumerate(zip(pockets.kind.tolist(), pockets.begin_height, pockets.end_height)):
         solid = kind == "island"
         if solid not in wholes:
             corners, triangles = (tilted, faces) if solid else box_in(tilted, faces)
             wholes[solid] = Manifold(Mesh64(np.ascontiguousarray(corners), np.ascontiguousarray(triangles, np.uint64)))
-        if (solid, low < high, high) not in shells:
+        if (solid, low < high, high) not in parts:
             up = 1.0 if low < high else -1.0
             plane = high - up * gap if kind != "sealed" else high + gap
-            shells[solid, low < high, high] = _find_shells(wholes[solid].trim_by_plane((0.0, 0.0, -up), -up * plane))
+            parts[solid, low < high, high] = _find_parts(wholes[solid].trim_by_plane((0.0, 0.0, -up), -up * plane))
         begins = pockets.begin[_meeting_there(pockets, row)]
-        spots, corners = _take_bodies(*shells[solid, low < high, high], tilted[begins])
+        spots, corners = _take_bodies(parts[solid, low < high, high], tilted[begins])
         bodies.append((spots @ matrix, corners))
     return bodies
 
 
-def _find_shells(body):
-    """Points, faces, the shell of each face, volumes of the shells, and which are around each."""
+class _Parts(NamedTuple):
+    """A closed mesh, the shell of each of its faces, volumes of the shells, and which are around each."""
+
+    points: np.ndarray
+    faces: np.ndarray
+    shell: np.ndarray
+    volumes: np.ndarray
+    enclosing: list
+
+
+def _find_parts(body):
+    """Take a manifold apart into its shells."""
     mesh = body.to_mesh64()
     points, faces = np.array(mesh.vert_properties)[:, :3], np.array(mesh.tri_verts).astype(np.int32)
     part = connected_items(faces[:, :2].ravel(), faces[:, 1:].ravel(), len(points))
     shell = np.unique(part[faces[:, 0]], return_inverse=True)[1]
     count = int(shell.max(initial=-1)) + 1
     _, volumes = measure_shells(points, faces, shell, count)
-    return points, faces, shell, volumes, find_enclosing(points, faces, shell, count)
+    return _Parts(points, faces, shell, volumes, find_enclosing(points, faces, shell, count))
 
 
 def _meeting_there(pockets, row):
@@ -100,16 +110,16 @@ def _meeting_there(pockets, row):
     return rows
 
 
-def _take_bodies(points, faces, shell, volumes, enclosing, spots):
+def _take_bodies(parts, spots):
     """The components with a corner at one of the `spots` on their outer shell: points and faces."""
-    outer = set()
+    outer, volumes = set(), parts.volumes
     for spot in spots:
-        away = np.abs(points[faces] - spot).max(axis=2).min(axis=1)
-        away[volumes[shell] < 0] = np.inf
-        outer.add(int(shell[np.argmin(away)]))
-    holes = [s for s in np.flatnonzero(volumes < 0).tolist() if _smallest(enclosing[s], volumes) in outer]
-    used, corners = np.unique(faces[np.isin(shell, [*outer, *holes])], return_inverse=True)
-    return points[used], corners.reshape(-1, 3).astype(np.int32)
+        away = np.abs(parts.points[parts.faces] - spot).max(axis=2).min(axis=1)
+        away[volumes[parts.shell] < 0] = np.inf
+        outer.add(int(parts.shell[np.argmin(away)]))
+    holes = [s for s in np.flatnonzero(volumes < 0).tolist() if _smallest(parts.enclosing[s], volumes) in outer]
+    used, corners = np.unique(parts.faces[np.isin(parts.shell, [*outer, *holes])], return_inverse=True)
+    return parts.points[used], corners.reshape(-1, 3).astype(np.int32)
 
 
 def _smallest(around, volumes):

@@ -74,9 +74,9 @@ def _sweep(mesh, graph, into, incident):
         else:
             begin[v] = of_vertex[v] = _arc_at(mesh.faces, root, label, begin, np.int64(into[v, 0]))
     for f in range(m):
-        a, b, c = mesh.faces[f]
-        if of_vertex[min(b, c)] >= 0:
-            of_face[f] = of_vertex[min(b, c)]
+        middle = min(mesh.faces[f, 1], mesh.faces[f, 2])
+        if of_vertex[middle] >= 0:
+            of_face[f] = of_vertex[middle]
     return of_vertex, of_face
 
 
