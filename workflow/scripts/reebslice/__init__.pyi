@@ -2,8 +2,13 @@ from . import errors as errors
 from .certification.certificate import certify as certify
 from .formats.mesh_file import MeshFile as MeshFile
 from .formats.meshes import read_mesh as read_mesh
+from .graphs.bodies import pocket_bodies as pocket_bodies
 from .graphs.exact import ExactGraph as ExactGraph
 from .graphs.exact import exact_graphs as exact_graphs
+from .graphs.pockets import Pockets as Pockets
+from .graphs.pockets import find_islands as find_islands
+from .graphs.pockets import find_pockets as find_pockets
+from .graphs.voids import void_reeb_graph as void_reeb_graph
 from .mesh.inspection import inspect_surface as inspect_surface
 from .morse.height_mesh import HeightMesh as HeightMesh
 from .morse.height_mesh import height_mesh as height_mesh

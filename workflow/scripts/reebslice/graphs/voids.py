@@ -1,0 +1,114 @@
+"""The void: what is not material, around the solid and inside it.
+
+A level set bounds material on one side and void on the other, so the void's
+Reeb graph takes nothing new: the surface is turned inside out and put into a
+box that is far larger. The solid of that surface is the void inside the box.
+"""
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from ..mesh.arguments import take_mesh, take_rotation
+from ..mesh.faults import find_used
+from ..morse.height_mesh import height_mesh
+from ..morse.ordered_mesh import tilt_points
+from ..morse.reeb_graph import surface_reeb_graph
+from .exact import ExactGraph, solid_reeb_graph
+
+# Corners 4 z + 2 y + x of the box around all, and its faces, counter-clockwise seen from outside.
+_CORNERS = np.array([[k & 1, k >> 1 & 1, k >> 2] for k in range(8)], float)
+_SIDES = np.array([[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]], np.int32)
+_FACES = np.concatenate([_SIDES[:, [0, 1, 2]], _SIDES[:, [0, 2, 3]]])
+
+
+def void_mesh(points, faces, rotation):
+    """Turn a surface inside out, in a box of about three times its size, in order of height.
+
+    Parameters
+    ----------
+    points, faces, rotation
+        As for :func:`.height_mesh.height_mesh`.
+
+    Returns
+    -------
+    mesh : HeightMesh
+        Its solid is the void inside the box. Entries of `vertex` are those of `points`, or, for the eight corners
+        of the box, larger. The box stands upright in the tilted frame.
+
+    Raises
+    ------
+    NotASolidError, ReebsliceError
+        As of `height_mesh`.
+    """
+    points, faces = take_mesh(points, faces)
+    return height_mesh(*box_in(tilt_points(points, take_rotation(rotation)), faces))
+
+
+def box_in(points, faces):
+    """Turn a surface inside out and put it into an upright box of three times its size and more.
+
+    Parameters
+    ----------
+    points : (n, 3) float64
+    faces : (m, 3) int
+
+    Returns
+    -------
+    points : (n + 8, 3) float64
+        The corners of the box come last.
+    faces : (m + 12, 3) int
+    """
+    spots = points[find_used(len(points), faces)]
+    low, high = spots.min(axis=0), spots.max(axis=0)
+    margin = (high - low).max()
+    box = low - margin + _CORNERS * (high - low + 2 * margin)
+    return np.concatenate([points, box]), np.concatenate([faces[:, ::-1], _FACES + len(points)])
+
+
+def void_reeb_graph(points: Any, faces: ArrayLike | None = None, rotation: ArrayLike | None = None) -> ExactGraph:
+    """Build the Reeb graph of the void: of all space but the solid that a surface bounds.
+
+    Parameters
+    ----------
+    points : (n, 3) float, mesh units
+        Or, with `faces` left out, a `trimesh.Trimesh` or a `pyvista.PolyData`.
+    faces : (m, 3) int
+        Of a surface as for :func:`exact_graphs`, which does not cross itself, be it of one body or of several.
+    rotation : (3, 3) float, optional
+        The height is its third row times a point; by default z.
+
+    Returns
+    -------
+    ExactGraph
+        A point of it is a connected component of the void at a height. The
+        space around the solid begins at a node of the height -inf and ends at
+        one of +inf, both with the vertex -1. Every other component of the graph
+        is a sealed void. The graph has as many components as the solid has
+        voids and one more, and at most as many loops as the solid has
+        (Alexander duality). Pairs of critical points at one height, inside
+        flats, that cancel are left out.
+
+    Raises
+    ------
+    NotASolidError, ReebsliceError, TooManyCrossingsError
+        As of :func:`exact_graphs`.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> points = np.array([[0, 0, 0], [1, 0, 0.1], [0, 1, 0.2], [0, 0, 1]])
+    >>> void = void_reeb_graph(points, [[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]])
+    >>> void.height.tolist(), void.arcs.tolist()
+    ([-inf, 0.0, 1.0, inf], [[0, 1], [1, 2], [2, 3]])
+    """
+    mesh = void_mesh(points, faces, rotation)
+    nodes, arcs = solid_reeb_graph(mesh, surface_reeb_graph(mesh), np.zeros(len(mesh.points), np.int32))
+    outside = mesh.vertex[nodes] >= mesh.vertex.max() - 7  # the corners of the box come last
+    far = np.where(mesh.points[nodes, 2] < np.median(mesh.points[[0, -1], 2]), -np.inf, np.inf)
+    return ExactGraph(
+        np.where(outside, -1, mesh.vertex[nodes]).astype(np.int32),
+        np.where(outside, far, mesh.points[nodes, 2]),
+        arcs,
+    )

@@ -1,0 +1,145 @@
+"""The arc of the surface's Reeb graph on which each vertex and each face lies.
+
+A sweep upward keeps, for every mesh edge that crosses the level, the arc of
+the contour that crosses it there. A regular vertex hands the arc of the mesh
+edges that end in it to those that begin. Where two arcs unite, the sets of
+their mesh edges do; where one parts in two, the shorter of the two contours
+is walked and its mesh edges are labelled anew, so that time grows as the mesh
+and as those shorter contours.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from ..arrays.components import find
+from ..arrays.grouping import list_incidence
+from ..kernels import njit
+from .contour_trees import find_gates
+from .ordered_mesh import next_half_edge
+
+
+class ArcLabels(NamedTuple):
+    """Arcs of a surface of n vertices and m faces.
+
+    Attributes
+    ----------
+    of_vertex : (n,) int32
+        The arc on which each regular vertex lies; -1 at critical points.
+    of_face : (m,) int32
+        The arc on which the middle of each face lies: the contour through its middle corner, or, where that is a
+        critical point, the contour just below or just above it, on whichever side more of the face lies.
+    """
+
+    of_vertex: np.ndarray
+    of_face: np.ndarray
+
+
+def label_arcs(mesh, graph):
+    """Find the arc on which each vertex and each face lies.
+
+    Parameters
+    ----------
+    mesh : HeightMesh
+        Surface of n vertices and m faces whose saddles are simple.
+    graph : ReebGraph
+        The mesh's.
+
+    Returns
+    -------
+    ArcLabels
+        Exact, as the graph is.
+    """
+    gates = find_gates(mesh.faces, mesh.twins, len(mesh.points))
+    incident = list_incidence(graph.arcs, len(graph.nodes))
+    above = _sweep(mesh, graph, gates.into, incident)
+    return ArcLabels(*above)
+
+
+@njit
+def _sweep(mesh, graph, into, incident):
+    """Columns of :class:`ArcLabels`."""
+    n, m = len(mesh.points), len(mesh.faces)
+    root = np.arange(len(graph.arcs)).astype(np.int32)  # of an arc that has ended, one that goes on from it
+    label = np.full(3 * m, np.int32(-1))  # of upward half-edges that a walk has labelled
+    begin = np.empty(n, np.int32)  # the arc of all others that begin in a vertex
+    of_vertex, of_face = np.full(n, np.int32(-1)), np.empty(m, np.int32)
+    place = 0
+    for v in range(n):
+        if place < len(graph.nodes) and graph.nodes[place] == v:
+            _mark_faces(mesh, into[v], root, label, begin, of_face, v, True)
+            begin[v] = _pass_node(mesh, graph, incident, place, root, label)
+            _mark_faces(mesh, into[v], root, label, begin, of_face, v, False)
+            place += 1
+        else:
+            begin[v] = of_vertex[v] = _arc_at(mesh.faces, root, label, begin, np.int64(into[v, 0]))
+    for f in range(m):
+        middle = min(mesh.faces[f, 1], mesh.faces[f, 2])
+        if of_vertex[middle] >= 0:
+            of_face[f] = of_vertex[middle]
+    return of_vertex, of_face
+
+
+@njit(inline="always")
+def _arc_at(faces, root, label, begin, h):
+    """The arc of the contour that now crosses the upward half-edge h."""
+    arc = label[h] if label[h] >= 0 else begin[faces[h // 3, h % 3]]
+    return find(root, arc)
+
+
+@njit
+def _pass_node(mesh, graph, incident, place, root, label):
+    """Pass a critical point: end its lower arcs, begin its upper ones; return that of what is not labelled."""
+    arcs = incident.member[incident.start[place] : incident.start[place + 1]]
+    first, second, cut = np.int32(-1), np.int32(-1), graph.nodes[place] + 1
+    for arc in arcs:
+        if graph.arcs[arc, 0] == place:
+            first, second = arc, first
+    if first < 0:
+        return first  # a maximum: nothing goes on
+    if second >= 0:
+        first, second = _longer_first(mesh, graph.gates, first, second, cut)
+        h = start = np.int64(graph.gates[second])
+        while True:
+            label[h] = second
+            h = np.int64(next_half_edge(mesh.faces, mesh.twins, h, cut))
+            if h == start:
+                break
+    for arc in arcs:
+        if graph.arcs[arc, 1] == place:
+            root[arc] = first
+    return first
+
+
+@njit
+def _longer_first(mesh, gates, one, two, cut):
+    """Two arcs that begin right below a cut, that with the longer contour first."""
+    h, g = np.int64(gates[one]), np.int64(gates[two])
+    while True:
+        h = np.int64(next_half_edge(mesh.faces, mesh.twins, h, cut))
+        g = np.int64(next_half_edge(mesh.faces, mesh.twins, g, cut))
+        if g == gates[two]:
+            return one, two
+        if h == gates[one]:
+            return two, one
+
+
+@njit
+def _mark_faces(mesh, into, root, label, begin, of_face, v, below):
+    """Label those faces around v whose middle corner it is and of which more lies on this side of it."""
+    if into[0] < 0:
+        return  # a minimum: the lowest corner of all its faces
+    points, faces, twins = mesh.points, mesh.faces, mesh.twins
+    start = h = into[0] // 3 * 3 + (into[0] % 3 + 1) % 3  # leaves v
+    while True:
+        f = h // 3
+        low, high = faces[f, 0], max(faces[f, 1], faces[f, 2])
+        if low != v and high != v:
+            rises = points[v, 2] - points[low, 2], points[high, 2] - points[v, 2]
+            if (rises[0] >= rises[1]) == below:
+                edge = 3 * f if faces[f, 1] == high else 3 * f + 2
+                edge = edge if edge % 3 == 0 else twins[edge]
+                of_face[f] = _arc_at(faces, root, label, begin, np.int64(edge))
+        h = twins[f * 3 + (h % 3 + 2) % 3]
+        if h == start:
+            break
