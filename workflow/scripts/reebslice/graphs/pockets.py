@@ -247,7 +247,7 @@ def _levels_at(mesh, end, upward):
 
 
 def _seen(slices, graph, upward):
-    """The :class:`_Sweep` of a sliced solid in one direction, and the block (K,) of each node of the surface's graph."""
+    """The :class:`_Sweep` of a sliced solid in one direction, and the block (K,) of each node of the graph."""
     block, count, regions = slices.block_of_piece[slices.pieces.of_node], slices.n_blocks, slices.regions
     volume = np.bincount(slices.block_of_piece, weights=slices.surfaces.flux, minlength=count)
     area = np.bincount(regions.of_contour, weights=regions.area, minlength=len(regions.level))
