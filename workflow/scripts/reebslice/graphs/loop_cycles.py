@@ -116,7 +116,7 @@ def _cut(arcs, order, n):
     return np.array(cut)
 
 
-def trace_cycles(core, bottom, top):
+def trace_loops(core, bottom, top):
     """Find a cycle through both ends of each loop.
 
     Parameters
@@ -136,7 +136,7 @@ def trace_cycles(core, bottom, top):
 
 @njit
 def _trace(arcs, incident, bottom, top):
-    """Kernel of `trace_cycles`: breadth first, from the end of the second arc below the top to that of the first."""
+    """Kernel of `trace_loops`: breadth first, from the end of the second arc below the top to that of the first."""
     start, member, n = incident.start, incident.member, len(incident.start) - 1
     found, ends = [np.int64(0) for _ in range(0)], np.zeros(len(top) + 1, np.int64)
     towards, seen, queue = np.empty(n, np.int64), np.full(n, -1, np.int64), np.empty(n, np.int64)

@@ -23,7 +23,7 @@ def walk_cycles(mesh, graph, cycles, cut):
     graph : ReebGraph
         The mesh's.
     cycles : Groups
-        L cycles, from their tops, as of :func:`.loop_cycles.trace_cycles`.
+        L cycles, from their tops, as of :func:`.loop_cycles.trace_loops`.
     cut : (L,) int
         Of each cycle the level of its circle around: how many vertices are below.
 
@@ -52,7 +52,7 @@ def _walk(mesh, nodes, arcs, gates, cycles, cut):
             for v in way[:-1]:
                 path.append(v)
             node = low + high - node
-        found.extend(_drop_spurs(path))
+        found.extend(drop_spurs(path))
         start[k + 1] = len(found)
     return start, np.array(found)
 
@@ -84,7 +84,7 @@ def _ahead(points, faces, twins, h, goal):
     while True:
         there = faces[g // 3, (g % 3 + 1) % 3]
         if there > here:
-            way = _distance(points, here, there) + _distance(points, there, goal)
+            way = distance(points, here, there) + distance(points, there, goal)
             if way < least:
                 best, least = g, way
         g = np.int64(twins[g // 3 * 3 + (g % 3 + 2) % 3])
@@ -93,7 +93,7 @@ def _ahead(points, faces, twins, h, goal):
 
 
 @njit(inline="always")
-def _distance(points, v, w):
+def distance(points, v, w):
     """Between two vertices."""
     x, y, z = points[v, 0] - points[w, 0], points[v, 1] - points[w, 1], points[v, 2] - points[w, 2]
     return np.sqrt(x * x + y * y + z * z)
@@ -101,32 +101,26 @@ def _distance(points, v, w):
 
 @njit
 def _go_around(mesh, h, vertex, stay_below):
-    """Ends of the mesh edges along the contour just below a vertex, from half-edge h on to the vertex, the shorter way.
+    """Ends of the mesh edges along the contour just below a vertex, from half-edge h to the vertex, by fewest edges.
 
     Lower ends, the vertex itself left out, or upper ones.
     """
-    faces, side = mesh.faces, 0 if stay_below else 1
-    ends, first, last, g = [np.int64(0) for _ in range(0)], -1, -1, h
-    while g != h or len(ends) == 0:
+    faces, twins, side = mesh.faces, mesh.twins, 0 if stay_below else 1
+    onward, back, g, b = [np.int64(0) for _ in range(0)], [np.int64(0) for _ in range(0)], h, h
+    while True:
+        onward.append(np.int64(faces[g // 3, (g % 3 + side) % 3]))
         if faces[g // 3, (g % 3 + 1) % 3] == vertex:
-            first, last = len(ends) if first < 0 else first, len(ends)
-        ends.append(np.int64(faces[g // 3, (g % 3 + side) % 3]))
-        g = np.int64(next_half_edge(faces, mesh.twins, g, vertex))
-    onward, back = ends[: first + 1], ends[:1] + ends[last:][::-1]
-    return onward if _length(mesh.points, onward) <= _length(mesh.points, back) else back
+            return onward
+        back.append(np.int64(faces[b // 3, (b % 3 + side) % 3]))
+        if faces[b // 3, (b % 3 + 1) % 3] == vertex:
+            return back
+        g = np.int64(next_half_edge(faces, twins, g, vertex))
+        third = faces[b // 3, (b % 3 + 2) % 3]  # the contour came through the face of b
+        b = np.int64(twins[b // 3 * 3 + (b % 3 + (2 if third >= vertex else 1)) % 3])
 
 
 @njit
-def _length(points, path):
-    """Of a path that is not closed."""
-    total = 0.0
-    for k in range(len(path) - 1):
-        total += _distance(points, path[k], path[k + 1])
-    return total
-
-
-@njit
-def _drop_spurs(path):
+def drop_spurs(path):
     """The closed path without steps forth and back, and without vertices that follow themselves."""
     kept = [np.int64(0) for _ in range(0)]
     for v in path:

@@ -12,10 +12,11 @@ from ..morse.height_mesh import height_mesh
 from ..morse.reeb_graph import surface_reeb_graph
 from ..slicing.graph_slices import trace_arcs_at_levels
 from ..slicing.levels import Levels, cut_between, make_levels, pierce, uniform_heights
-from .loop_cycles import cut_cycles, find_core, match_cuts, pair_loops, trace_cycles
+from .loop_cycles import cut_cycles, find_core, match_cuts, pair_loops, trace_loops
 from .loop_kinds import KINDS, Nesting, count_inside, find_kinds
 from .loop_measures import measure_insides, nest_bodies, paths_of_vertices
 from .loop_paths import walk_cycles
+from .loop_shortcuts import shorten_paths
 
 # Of the height range: the default distance between the levels at which loops are measured.
 SHARE = 1 / 200
@@ -175,18 +176,19 @@ def loops_at_levels(mesh, graph, levels, body_of_vertex):
     missed = core.kept[best[core.kept] < 0]
     ordered = order[best[arc_of[order]] == order][::-1]
     cut = cut_cycles(core, np.concatenate([missed, arc_of[ordered]]))
-    cycles = trace_cycles(core, bottom, top)
+    cycles = trace_loops(core, bottom, top)
     chosen = best[match_cuts(cycles, cut, len(graph.arcs))]
-    walked = walk_cycles(mesh, graph, cycles, levels.below[contours.level[chosen]])
+    circles = contours.first[chosen], levels.below[contours.level[chosen]]
+    walked = shorten_paths(mesh, walk_cycles(mesh, graph, cycles, circles[1]), *circles)
     paths, length = paths_of_vertices(mesh, walked)
     flat = count_inside(nesting, np.ones(len(arc_of), bool))[chosen] == 0
     height, chain = levels.height[contours.level[chosen]], core.chain[arc_of[chosen]]
-    section, radius, centre, circles = measure_insides(contours, regions, chosen, height)
+    section, radius, centre, rings = measure_insides(contours, regions, chosen, height)
     ends = graph.nodes[bottom], graph.nodes[top]
     return Loops(
         *(mesh.vertex[ranks] for ranks in ends), *(mesh.points[ranks, 2] for ranks in ends),
         np.array(KINDS)[kind[chain]], regions.inner[chosen], flat, height, regions.perimeter[chosen],
-        section, radius, centre, length, circles, paths,
+        section, radius, centre, length, rings, paths,
     )  # fmt: skip
 
 
