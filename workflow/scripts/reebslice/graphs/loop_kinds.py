@@ -2,23 +2,24 @@
 
 A contour c is the rim of a disc D in its plane, which the contours strictly
 inside c part into regions of material and of void. The rim of all that is
-material in D bounds in the material, that of the void in the void. Let M be
-the sum of the contours strictly inside c, each with material on its left. Of
-an outer contour, what is void in D has the rim -M, so that c is, up to what
-bounds in the material, the same as M is not there: c bounds in the material if
-and only if M is zero in the homology of the surface, and in the void if and
-only if c + M is. Of an inner contour it is the other way round.
+material in D bounds in the material, and that of all that is void bounds in the
+void. Let M be the sum of the contours strictly inside c, all with material on
+their left. Each of them is the rim of one region of either sort. So, up to
+signs, an outer contour c is the rim c + M of the material in D less the rim M
+of the void: it bounds in the material if M is zero in the homology of the
+surface, and in the void if c + M is. Of an inner contour it is the other way
+round.
 
-*Why only if.* The first homology of a closed surface S in space is the direct
-sum of those of its two sides (Mayer and Vietoris; space has none itself). What
-bounds in the material and what bounds in the void have only zero in common, so
-c comes apart in one way into what does the one and what does the other, and
-that is the way above.
+*And only if.* The first homology of a closed surface in space is the direct sum
+of those of its two sides (the sequence of Mayer and Vietoris, as space has none
+itself). So what bounds in the material and what bounds in the void have only
+zero in common, and c comes apart in one way only into the one and the other.
 
-*Zero.* A contour is a point on an arc of the Reeb graph of S, and a sum of
-contours is zero in the homology of S if and only if every cycle of the graph
-passes as many of them upward as downward. So it is decided in whole numbers,
-by heights of the nodes in which each of these contours is a step of one.
+*Zero.* A contour is a point of an arc of the surface's Reeb graph. A sum of
+contours is zero in the homology of the surface if and only if every cycle of
+the graph passes as many of them upward as downward, that is, if the nodes can
+be given whole numbers that rise by one along an arc at each of these contours,
+and nowhere else.
 
 References
 ----------
@@ -37,24 +38,28 @@ KINDS = ("handle", "tunnel", "mixed")
 
 
 class Nesting(NamedTuple):
-    """C contours and what is inside what.
+    """C contours, and what is inside what.
 
     Attributes
     ----------
     level : (C,) int32
         Ascending.
-    parent : (C,) int32
-        The smallest contour around each of the same body, -1 for none.
-    inner : (C,) bool
-        Whether each bounds a hole.
     arc : (C,) int64
         The arc of the surface's Reeb graph that each is a point of.
+    parent : (C,) int32
+        The smallest contour around each one, of the same body, -1 for none.
+    inner : (C,) bool
+        Whether each bounds a hole.
+    area, perimeter : (C,) float64
+        Area without its sign, and length.
     """
 
     level: np.ndarray
+    arc: np.ndarray
     parent: np.ndarray
     inner: np.ndarray
-    arc: np.ndarray
+    area: np.ndarray
+    perimeter: np.ndarray
 
 
 def count_inside(nesting, counted):
@@ -172,7 +177,7 @@ def _is_zero(arcs, kept, forest, steps, height):
         else:
             low, high = arcs[arc]
             height[node] = height[low] + steps[arc] if node == high else height[high] - steps[arc]
+    rises = True
     for arc in kept:
-        if height[arcs[arc, 1]] - height[arcs[arc, 0]] != steps[arc]:
-            return False
-    return True
+        rises &= height[arcs[arc, 1]] - height[arcs[arc, 0]] == steps[arc]
+    return rises

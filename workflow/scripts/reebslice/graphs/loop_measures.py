@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from ..arrays.grouping import Groups
+from ..arrays.grouping import Groups, group_of_members
 from ..formats.wkb import pack_curves, unpack_curves
 from ..kernels import njit
 from ..planar.circles import largest_circles
@@ -10,44 +10,43 @@ from ..planar.curves import Curves, pick_curves
 from ..planar.outlines import Outlines, mend_outlines
 from ..slicing.contours import Contours
 from ..slicing.regions import find_regions
+from .loop_kinds import Nesting
 
 # Of the circle with the same perimeter: no inscribed circle is larger than that found by more than this share of it.
 TOLERANCE = 1e-3
 
 
-def nest_bodies(mesh, levels, contours, body_of_vertex):
+def nest_bodies(mesh, levels, contours, of_arcs, body_of_vertex):
     """Find which contours are inside which, body by body.
 
     Parameters
     ----------
     mesh : HeightMesh
+        Of n vertices.
     levels : Levels
+        The cuts.
     contours : Contours
         C contours.
+    of_arcs : Groups
+        The contours of each arc, as of :func:`.graph_slices.trace_arcs_at_levels`.
     body_of_vertex : (n,) int32
+        Of the ranks.
 
     Returns
     -------
-    Regions
-        Its `parent` is the smallest contour around each one of the same body. Numbers of regions count for each
-        body apart.
+    Nesting
+        Of C contours.
     """
-    body = body_of_vertex[contours.lower]
-    bodies = np.unique(body)
-    if len(bodies) < 2:
-        return find_regions(mesh, levels, contours, body)
-    parts = []
-    for one in bodies:
+    body, count = body_of_vertex[contours.lower], len(contours.level)
+    arc, parent, inner = np.empty(count, np.int64), np.full(count, -1, np.int32), np.empty(count, bool)
+    area, perimeter = np.empty(count), np.empty(count)
+    arc[of_arcs.member] = group_of_members(of_arcs)
+    for one in np.unique(body):
         rows = np.flatnonzero(body == one)
-        part = find_regions(mesh, levels, _pick_contours(contours, rows), body[rows])
-        parts.append((rows, part._replace(parent=np.where(part.parent < 0, -1, rows[part.parent]).astype(np.int32))))
-    whole = parts[0][1]
-    for name in ("of_contour", "inner", "parent", "area", "perimeter"):
-        column = np.empty(len(body), getattr(whole, name).dtype)
-        for rows, part in parts:
-            column[rows] = getattr(part, name)
-        whole = whole._replace(**{name: column})
-    return whole
+        found = find_regions(mesh, levels, _pick_contours(contours, rows), body[rows])
+        parent[rows] = np.where(found.parent < 0, -1, rows[found.parent])
+        inner[rows], area[rows], perimeter[rows] = found.inner, np.abs(found.area), found.perimeter
+    return Nesting(contours.level, arc, parent, inner, area, perimeter)
 
 
 def _pick_contours(contours, rows):
@@ -56,45 +55,44 @@ def _pick_contours(contours, rows):
     return Contours(contours.level[rows], start, points, *(column[rows] for column in contours[3:]))
 
 
-def measure_insides(contours, regions, chosen, height):
+def measure_insides(contours, nesting, chosen):
     """Measure what is immediately inside contours, in their planes.
 
     Parameters
     ----------
     contours : Contours
         C contours.
-    regions : Regions
-        What :func:`nest_bodies` found.
+    nesting : Nesting
+        Theirs.
     chosen : (L,) int
         Contours, each once.
-    height : (L,) float64
-        Theirs.
 
     Returns
     -------
     section, radius : (L,) float64
         Area, without what is inside further contours in there, and the radius of the largest circle.
-    centre : (L, 3) float64
-        Of that circle; the mean of the points where there is none, as inside flats.
-    circles : list of (P, 3) float64
-        The points of the contours.
+    centre : (L, 2) float64
+        Of that circle; a point of the contour where there is none, as inside flats.
     """
-    place = np.full(len(contours.level) + 1, -1)  # the last entry is that of no parent
+    place = np.full(len(nesting.arc) + 1, -1)  # the last entry is that of no parent
     place[chosen] = np.arange(len(chosen))
-    children = np.flatnonzero(place[regions.parent] >= 0)
-    owner = np.concatenate([np.arange(len(chosen)), place[regions.parent[children]]])
+    children = np.flatnonzero(place[nesting.parent] >= 0)
     members = np.concatenate([chosen, children])
-    hole = np.arange(len(members)) >= len(chosen)
-    size = np.abs(regions.area[members])
-    section = np.bincount(owner, weights=np.where(hole, -size, size), minlength=len(chosen))
+    hole, owner = np.arange(len(members)) >= len(chosen), np.append(place[chosen], place[nesting.parent[children]])
+    area = np.where(hole, -nesting.area[members], nesting.area[members])
+    section = np.bincount(owner, weights=area, minlength=len(chosen))
     order = np.lexsort((hole, owner))
     outlines = _outlines(contours, members[order], owner[order], hole[order], len(chosen))
-    middle, radius = largest_circles(outlines, TOLERANCE / (2 * np.pi) * regions.perimeter[chosen])
-    circles = [contours.points[contours.start[c] : contours.start[c + 1]] for c in chosen]
-    means = np.array([circle.mean(axis=0) for circle in circles]).reshape(-1, 2)
-    centre = np.column_stack([np.where(np.isnan(middle), means, middle), height])
-    rings = [np.column_stack([circle, np.full(len(circle), z)]) for circle, z in zip(circles, height)]
-    return np.maximum(section, 0.0), np.maximum(radius, 0.0), centre, rings
+    centre, radius = largest_circles(outlines, TOLERANCE / (2 * np.pi) * nesting.perimeter[chosen])
+    centre = np.where(np.isnan(centre), contours.points[contours.start[chosen]], centre)
+    return np.maximum(section, 0.0), np.maximum(radius, 0.0), centre
+
+
+def draw_circles(contours, chosen, height):
+    """List the points (P, 3) of contours, which lie at heights (L,)."""
+    points, start = contours.points, contours.start
+    flat = [points[start[c] : start[c + 1]] for c in chosen.tolist()]
+    return [np.column_stack([curve, np.full(len(curve), z)]) for curve, z in zip(flat, height.tolist())]
 
 
 def _outlines(contours, members, owner, hole, count):
@@ -138,7 +136,11 @@ def _measure_paths(points, vertex, walked):
         start[k + 1], before = start[k], walked.member[walked.start[k + 1] - 1]
         for place in range(walked.start[k], walked.start[k + 1]):
             v = walked.member[place]
-            x, y, z = points[v, 0] - points[before, 0], points[v, 1] - points[before, 1], points[v, 2] - points[before, 2]
+            x, y, z = (
+                points[v, 0] - points[before, 0],
+                points[v, 1] - points[before, 1],
+                points[v, 2] - points[before, 2],
+            )
             length[k] += np.sqrt(x * x + y * y + z * z)
             if vertex[v] != vertex[before]:
                 kept[start[k + 1]] = vertex[v]

@@ -49,8 +49,7 @@ def _walk(mesh, nodes, arcs, gates, cycles, cut):
             way = _climb_arc(mesh, nodes[low], np.int64(gates[arc]), nodes[high], nodes[high] < cut[k])
             if node == high:
                 way = way[::-1]
-            for v in way[:-1]:
-                path.append(v)
+            path.extend(way[:-1])
             node = low + high - node
         found.extend(drop_spurs(path))
         start[k + 1] = len(found)

@@ -45,7 +45,7 @@ def shorten_paths(mesh, walked, first, cut):
 def _shorten(mesh, walked, first, cut, visits):
     """Kernel of `shorten_paths`; short paths have their turn first."""
     n, loops = len(mesh.points), len(first)
-    blocked, leaving, own = np.zeros(len(mesh.twins), np.bool_), _leave_vertices(mesh.faces, n), first[:0]
+    blocked, leaving = np.zeros(len(mesh.twins), np.bool_), _leave_vertices(mesh.faces, n)
     for k in range(loops):
         _mark_circle(mesh, first[k], cut[k], blocked)
     search = np.full(n, -1, np.int64), np.empty(n), np.empty(n, np.int64), np.zeros(1, np.int64)
@@ -150,7 +150,7 @@ def _search(mesh, leaving, blocked, source, goal, most, visits, search):
     count[0] += 1
     seen[source], away[source], spent = count[0], 0.0, 0
     heap, here = [(distance(points, source, goal), source)], source
-    while len(heap) and spent < visits and here != goal:
+    while len(heap) > 0 and spent < visits and here != goal:
         bound, here = heapq.heappop(heap)
         spent, g = spent + 1, leaving[here]
         while here != goal:

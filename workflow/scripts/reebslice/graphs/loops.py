@@ -5,7 +5,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..arrays.grouping import Groups, group_of_members
+from ..arrays.grouping import Groups
 from ..errors import ReebsliceError
 from ..mesh.arguments import take_arrays, take_bodies, take_rotation
 from ..morse.height_mesh import height_mesh
@@ -13,8 +13,8 @@ from ..morse.reeb_graph import surface_reeb_graph
 from ..slicing.graph_slices import trace_arcs_at_levels
 from ..slicing.levels import Levels, cut_between, make_levels, pierce, uniform_heights
 from .loop_cycles import cut_cycles, find_core, match_cuts, pair_loops, trace_loops
-from .loop_kinds import KINDS, Nesting, count_inside, find_kinds
-from .loop_measures import measure_insides, nest_bodies, paths_of_vertices
+from .loop_kinds import KINDS, count_inside, find_kinds
+from .loop_measures import draw_circles, measure_insides, nest_bodies, paths_of_vertices
 from .loop_paths import walk_cycles
 from .loop_shortcuts import shorten_paths
 
@@ -49,7 +49,7 @@ class Loops(NamedTuple):
     section : (L,) float64
         Area of what is immediately inside the circle in its plane, mesh units squared: of material, or of void
         if `inner`; what other contours enclose in there is left out.
-    radius : (L,) float64
+    inscribed_radius : (L,) float64
         Of the largest circle in that area, mesh units.
     centre : (L, 3) float64
         Its centre, model frame.
@@ -72,7 +72,7 @@ class Loops(NamedTuple):
     height: np.ndarray
     perimeter: np.ndarray
     section: np.ndarray
-    radius: np.ndarray
+    inscribed_radius: np.ndarray
     centre: np.ndarray
     length: np.ndarray
     circles: list
@@ -125,10 +125,10 @@ def find_loops(
     >>> import trimesh
     >>> ring = trimesh.creation.torus(3, 1)
     >>> loops = find_loops(ring)  # lying: a hole that one looks through from above
-    >>> loops.kind.tolist(), loops.radius.round(2).tolist()
+    >>> loops.kind.tolist(), loops.inscribed_radius.round(2).tolist()
     (['tunnel'], [2.0])
     >>> loops = find_loops(ring, rotation=[[1, 0, 0], [0, 0, -1], [0, 1, 0]])  # upright
-    >>> loops.kind.tolist(), loops.radius.round(2).tolist()
+    >>> loops.kind.tolist(), loops.inscribed_radius.round(2).tolist()
     (['handle'], [1.0])
     """
     points, faces = take_arrays(points, faces)
@@ -162,33 +162,25 @@ def loops_at_levels(mesh, graph, levels, body_of_vertex):
     Loops
         Centres and circles in the tilted frame.
     """
-    bottom, top = pair_loops(graph)
     core = find_core(graph)
     levels = _levels_of_loops(mesh, graph, core, levels)
     contours, of_arcs = trace_arcs_at_levels(mesh, graph, levels)
-    arc_of = np.empty(len(contours.level), np.int64)
-    arc_of[of_arcs.member] = group_of_members(of_arcs)
-    regions = nest_bodies(mesh, levels, contours, body_of_vertex)
-    nesting = Nesting(contours.level, regions.parent, regions.inner, arc_of)
-    kind, own, order = _order_contours(core, nesting, regions.perimeter)
-    best = np.full(len(graph.arcs), -1)
-    best[arc_of[order[::-1]]] = order[::-1]  # the thinnest of each arc comes last and stays
-    missed = core.kept[best[core.kept] < 0]
-    ordered = order[best[arc_of[order]] == order][::-1]
-    cut = cut_cycles(core, np.concatenate([missed, arc_of[ordered]]))
+    nesting = nest_bodies(mesh, levels, contours, of_arcs, body_of_vertex)
+    kind_of_chain, ordered = _order_contours(core, nesting)
+    bottom, top = pair_loops(graph)
     cycles = trace_loops(core, bottom, top)
-    chosen = best[match_cuts(cycles, cut, len(graph.arcs))]
+    chosen = _choose_circles(core, cycles, nesting.arc, ordered)
+    height, kind = levels.height[contours.level[chosen]], kind_of_chain[core.chain[nesting.arc[chosen]]]
     circles = contours.first[chosen], levels.below[contours.level[chosen]]
     walked = shorten_paths(mesh, walk_cycles(mesh, graph, cycles, circles[1]), *circles)
-    paths, length = paths_of_vertices(mesh, walked)
-    flat = count_inside(nesting, np.ones(len(arc_of), bool))[chosen] == 0
-    height, chain = levels.height[contours.level[chosen]], core.chain[arc_of[chosen]]
-    section, radius, centre, rings = measure_insides(contours, regions, chosen, height)
     ends = graph.nodes[bottom], graph.nodes[top]
+    flat = count_inside(nesting, np.ones(len(nesting.arc), bool))[chosen] == 0
+    section, radius, centre = measure_insides(contours, nesting, chosen)
+    paths, length = paths_of_vertices(mesh, walked)
     return Loops(
-        *(mesh.vertex[ranks] for ranks in ends), *(mesh.points[ranks, 2] for ranks in ends),
-        np.array(KINDS)[kind[chain]], regions.inner[chosen], flat, height, regions.perimeter[chosen],
-        section, radius, centre, length, rings, paths,
+        *(mesh.vertex[ranks] for ranks in ends), *(mesh.points[ranks, 2] for ranks in ends), np.array(KINDS)[kind],
+        nesting.inner[chosen], flat, height, nesting.perimeter[chosen], section, radius,
+        np.column_stack([centre, height]), length, draw_circles(contours, chosen, height), paths,
     )  # fmt: skip
 
 
@@ -209,19 +201,26 @@ def _levels_of_loops(mesh, graph, core, levels):
     return Levels(*(column[order] for column in merged))
 
 
-def _order_contours(core, nesting, perimeter):
-    """The contours of the core with the best circle around first, and what they are.
+def _order_contours(core, nesting):
+    """The place in `KINDS` of each chain of the core, and the core's contours, the best circle around first.
 
-    Returns the place in `KINDS` of each chain and whether its contours bound on the side inside them, then the
-    contours in order. First come those that do, then those that bound on the other side, then mixed ones;
-    among each the shorter ones.
+    First come those that bound on the side that is inside them, then those that bound on the other side, then
+    mixed ones; among each the shorter ones.
     """
     contours = np.flatnonzero(core.chain[nesting.arc] >= 0)
-    chain, n_chains = core.chain[nesting.arc[contours]], int(core.chain.max(initial=-1)) + 1
+    chain = core.chain[nesting.arc[contours]]
     inside = count_inside(nesting, core.chain[nesting.arc] >= 0)[contours]
-    simplest = contours[np.lexsort((inside, chain))]
-    simplest = simplest[np.unique(core.chain[nesting.arc[simplest]], return_index=True)[1]]
-    kind, own = find_kinds(core, nesting, simplest)
-    assert len(kind) == n_chains
+    simplest = np.lexsort((inside, chain))
+    simplest = simplest[np.unique(chain[simplest], return_index=True)[1]]  # of each chain
+    kind, own = find_kinds(core, nesting, contours[simplest])
     grade = np.where(kind == KINDS.index("mixed"), 2, np.where(own, 0, 1))
-    return kind, own, contours[np.lexsort((perimeter[contours], grade[chain]))]
+    return kind, contours[np.lexsort((nesting.perimeter[contours], grade[chain]))]
+
+
+def _choose_circles(core, cycles, arc_of, ordered):
+    """The circle around each cycle, (L,): contours, of which those that come first in `ordered` are to be taken."""
+    best = np.full(len(core.arcs), -1)  # contour of each arc
+    best[arc_of[ordered[::-1]]] = ordered[::-1]  # the first one comes last, and stays
+    missed = core.kept[best[core.kept] < 0]
+    worst_first = arc_of[ordered[best[arc_of[ordered]] == ordered]][::-1]
+    return best[match_cuts(cycles, cut_cycles(core, np.concatenate([missed, worst_first])), len(core.arcs))]
