@@ -12,6 +12,8 @@ from hypothesis import strategies as st
 import solids
 from linking import kinds_by_linking
 from reebslice import exact_graphs, find_loops, height_mesh, inspect_surface, read_mesh, surface_reeb_graph
+from reebslice.drawing.canvas import rgb
+from reebslice.drawing.loops import INKS, draw_loops
 from reebslice.errors import ReebsliceError
 from reebslice.graphs.voids import void_reeb_graph
 from test_laws import cases
@@ -199,6 +201,14 @@ def test_a_circle_with_a_bent_bore_inside_is_a_handle_though_its_disc_is_not_fla
     check_kinds(solid, loops)
     assert sorted(zip(loops.kind.tolist(), loops.flat.tolist())) == [("handle", False), ("tunnel", True)]
     assert np.allclose(np.sort(loops.section), [1, 23])
+
+
+def test_the_picture_has_each_kind_in_its_colour():
+    ring = hollow_ring()
+    loops = find_loops(ring.points, ring.faces)
+    image = draw_loops("ring", ring.points, ring.faces, loops, {"width": 200})
+    for kind, ink in INKS.items():
+        assert (image == rgb(ink)).all(axis=2).any() == (kind in loops.kind)
 
 
 def test_the_door_says_what_is_wrong():

@@ -29,7 +29,7 @@ class Loops(NamedTuple):
     ----------
     bottom, top : (L,) int32
         Vertices: the saddle above which there are two ways around, and the one at which they meet. They are
-        partners by extended persistence.
+        partners by extended persistence. Inside a multiple saddle both may be the same vertex.
     bottom_height, top_height : (L,) float64
         Their heights, mesh units.
     kind : (L,) str
@@ -90,8 +90,8 @@ def find_loops(
 
     The circles around are contours of equispaced levels, and of a few more where these miss a loop. Together
     they cut each shell into a connected surface without loops, a sphere with holes. Of all choices of such
-    contours this one has the fewest mixed ones, and among these it is thinnest: its shortest, its second
-    shortest and so on are as short as in any.
+    contours this one has the fewest mixed ones, then the fewest that bound only on the side that is outside
+    them, and then the least sum of perimeters.
 
     Parameters
     ----------
