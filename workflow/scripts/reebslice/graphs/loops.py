@@ -125,10 +125,10 @@ def find_loops(
     >>> import trimesh
     >>> ring = trimesh.creation.torus(3, 1)
     >>> loops = find_loops(ring)  # lying: a hole that one looks through from above
-    >>> loops.kind.tolist(), loops.inscribed_radius.round(2).tolist()
+    >>> loops.kind.tolist(), loops.inscribed_radius.round(1).tolist()
     (['tunnel'], [2.0])
     >>> loops = find_loops(ring, rotation=[[1, 0, 0], [0, 0, -1], [0, 1, 0]])  # upright
-    >>> loops.kind.tolist(), loops.inscribed_radius.round(2).tolist()
+    >>> loops.kind.tolist(), loops.inscribed_radius.round(1).tolist()
     (['handle'], [1.0])
     """
     points, faces = take_arrays(points, faces)
