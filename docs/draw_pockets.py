@@ -1,6 +1,6 @@
 """Draw docs/pockets.png: a cup, the cup upside down, a hollow vessel, and a part that begins in the air.
 
-    python docs/draw_pockets.py
+python docs/draw_pockets.py
 """
 
 from pathlib import Path
@@ -23,7 +23,8 @@ def cylinder(radius, height, floor, x=0.0):
 
 def make_models():
     """Name and mesh of each."""
-    handle = trimesh.creation.torus(0.55, 0.13, 96, 32, transform=trimesh.transformations.rotation_matrix(np.pi / 2, AXIS))
+    upright = trimesh.transformations.rotation_matrix(np.pi / 2, AXIS)
+    handle = trimesh.creation.torus(0.55, 0.13, 96, 32, transform=upright)
     handle.apply_translation([1.15, 0, 1.05])
     rim = trimesh.boolean.difference([handle, cylinder(0.95, 3, 0)])
     cup = trimesh.boolean.union([trimesh.boolean.difference([cylinder(1, 2.2, 0), cylinder(0.85, 2.2, 0.3)]), rim])

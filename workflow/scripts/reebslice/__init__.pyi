@@ -5,6 +5,8 @@ from .formats.meshes import read_mesh as read_mesh
 from .graphs.bodies import pocket_bodies as pocket_bodies
 from .graphs.exact import ExactGraph as ExactGraph
 from .graphs.exact import exact_graphs as exact_graphs
+from .graphs.loops import Loops as Loops
+from .graphs.loops import find_loops as find_loops
 from .graphs.pockets import Pockets as Pockets
 from .graphs.pockets import find_islands as find_islands
 from .graphs.pockets import find_pockets as find_pockets
