@@ -121,7 +121,8 @@ def main():
     parser.add_argument("--depth", type=int, default=4, help="layers")
     arguments = parser.parse_args()
     print(
-        "| mesh | both | missed by pixels | invented by pixels | exact, s | pixels, s |\n| --- | ---: | ---: | ---: | ---: | ---: |"
+        "| mesh | both | missed by pixels | invented by pixels | exact, s | pixels, s |\n"
+        "| --- | ---: | ---: | ---: | ---: | ---: |"
     )
     for path in arguments.meshes:
         found = compare(path, arguments)
