@@ -132,14 +132,15 @@ def test_profiles_are_taken_up_when_asked_for(tmp_path):
 
 
 def lay_out_results(folder, nodes=b"1", seconds=1.0, status="ok", batch="batch-all"):
-    files = {"results/models/a/nodes.parquet": nodes, "results/models/a/.sample_nodes.json": b'{"key": "k"}'}
-    files["results/models/a/.sample_nodes.json"] = json.dumps({"key": "k", "seconds": seconds}).encode()
+    receipt = {"key": "k", "seconds": seconds, "seal": str(seconds), "outputs": {"nodes.parquet": [1, seconds, "d"]}}
+    files = {"results/models/a/nodes.parquet": nodes}
+    files["results/models/a/.sample_nodes.json"] = json.dumps(receipt).encode()
     for name, content in files.items():
         (folder / name).parent.mkdir(parents=True, exist_ok=True)
         (folder / name).write_bytes(content)
     row = {"model": "a", "path": "a.stl", "status": status, "reason": "", "seconds": seconds}
     for name, extra in (
-        (f"status/sample_nodes/{batch}", {"key": "k", "peak_memory_mb": seconds}),
+        (f"status/sample_nodes/{batch}", {"key": "k", "peak_memory_mb": seconds, "stamp": str(seconds)}),
         ("corpus/models", {"peak_memory_mb_draw": seconds, "seconds_draw": seconds}),
     ):
         path = folder / f"results/{name}.parquet"

@@ -31,6 +31,7 @@ def check_form(facts, ledger):
         size = {name: tables[name].num_rows for name in MODEL_TABLES}
         for name, of_table in columns.items():
             faults += list_id_faults(name, tables[name], size)
+            faults += _handle_faults(tables, size) if name == "edges" else ()
             for column, values in of_table.items():
                 faults += _column_faults(name, column, tables[name][column], values)
         faults += [f"Table {name} is empty." for name in ("faces", "levels", "pieces") if not size[name]]
@@ -60,6 +61,13 @@ def _read(column):
         missing = -1 if pa.types.is_integer(kind) else np.nan
         return np.from_dlpack((column.fill_null(missing) if column.null_count else column).combine_chunks())
     return column.to_pylist() if pa.types.is_list(kind) else np.array(column.to_pylist(), object)
+
+
+def _handle_faults(tables, size):
+    """What is wrong with the handles that edges name, as sentences."""
+    rows = _read(tables["edges"]["handle"].drop_null())
+    if len(rows) and not 0 <= rows.min() <= rows.max() < size["handles"]:
+        yield "Column handle of table edges names a row that table handles does not have."
 
 
 def _column_faults(name, column, data, values):
