@@ -19,7 +19,7 @@ _HOMES = {
     "HeightMesh": "morse.height_mesh",
     "Loops": "graphs.loops",
     "MeshFile": "formats.mesh_file",
-    "Pockets": "graphs.pockets",
+    "Pockets": "graphs.pocket_measures",
     "ReebGraph": "morse.reeb_graph",
     "Regions": "slicing.regions",
     "SCHEMAS": "schemas",

@@ -7,7 +7,7 @@ from .graphs.exact import ExactGraph as ExactGraph
 from .graphs.exact import exact_graphs as exact_graphs
 from .graphs.loops import Loops as Loops
 from .graphs.loops import find_loops as find_loops
-from .graphs.pockets import Pockets as Pockets
+from .graphs.pocket_measures import Pockets as Pockets
 from .graphs.pockets import find_islands as find_islands
 from .graphs.pockets import find_pockets as find_pockets
 from .graphs.voids import void_reeb_graph as void_reeb_graph

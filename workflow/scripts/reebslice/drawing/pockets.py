@@ -31,7 +31,7 @@ def draw_pockets(name, points, faces, bodies, kinds, options):
     bodies : list of (points, faces)
         Closed meshes in the same frame, as of :func:`..graphs.bodies.pocket_bodies`.
     kinds : list of str
-        Of each body, as in :class:`..graphs.pockets.Pockets`.
+        Of each body, as in :class:`..graphs.pocket_measures.Pockets`.
     options : dict
         width (pixels), azimuth (degrees, or None for the largest silhouette) and elevation (degrees).
 

@@ -11,7 +11,7 @@ from ..mesh.faults import find_used
 from ..mesh.measures import measure_shells
 from ..mesh.shells import find_enclosing
 from ..morse.ordered_mesh import tilt_points
-from .pockets import Pockets
+from .pocket_measures import Pockets
 from .voids import box_in
 
 # Of the height range: so far before a rim a pocket is cut, since at the rim itself it touches what it opens to.
