@@ -1,5 +1,6 @@
 """Loops with a place: against theory, and handles and tunnels against linking numbers."""
 
+import itertools
 from pathlib import Path
 
 import manifold3d
@@ -15,7 +16,12 @@ from reebslice import exact_graphs, find_loops, height_mesh, inspect_surface, re
 from reebslice.drawing.canvas import rgb
 from reebslice.drawing.loops import INKS, draw_loops
 from reebslice.errors import ReebsliceError
+from reebslice.graphs.loop_cycles import find_core, pair_loops, trace_loops
+from reebslice.graphs.loop_kinds import KINDS, find_kinds
+from reebslice.graphs.loop_measures import draw_circles, nest_bodies
 from reebslice.graphs.voids import void_reeb_graph
+from reebslice.slicing.graph_slices import trace_arcs_at_levels
+from reebslice.slicing.levels import make_levels, uniform_heights
 from test_laws import cases
 
 CORPUS = Path(__file__).parents[2] / "shared" / "meshes"
@@ -42,9 +48,9 @@ def paths_of(loops):
     return [loops.paths.member[a:b] for a, b in zip(loops.paths.start[:-1], loops.paths.start[1:])]
 
 
-def check(solid, turn, genus=None):
+def check(solid, turn, genus=None, distance=None):
     """What holds of the loops of every solid; returns them."""
-    loops = find_loops(solid.points, solid.faces, turn)
+    loops = find_loops(solid.points, solid.faces, turn, distance)
     graph = surface_reeb_graph(height_mesh(solid.points, solid.faces, turn))
     bodies = len(np.unique(solids.connected_vertices(solid)[solid.faces]))
     assert len(loops.bottom) == len(graph.arcs) - len(graph.nodes) + bodies
@@ -78,6 +84,10 @@ def check(solid, turn, genus=None):
 def check_kinds(solid, loops):
     expected = kinds_by_linking(solid.points, solid.faces, loops.circles)
     assert loops.kind.tolist() == [KIND_OF_SIDES[sides] for sides in expected]
+
+
+def hollow_ring():
+    return solids.unite(solids.torus(upright=True), solids.carve(solids.torus(minor=0.4, upright=True)))
 
 
 # --------------------------------------------------------------------------
@@ -129,12 +139,42 @@ def test_loops_do_not_depend_on_the_order_of_the_mesh_and_grow_with_it(solid, se
         assert np.allclose(2**power * getattr(one, name), getattr(two, name), rtol=1e-9, atol=1e-9)
 
 
+@cases(20)
+@given(st.one_of(solids.trusses(), st.just(solids.linked_rings()), st.just(hollow_ring())), st.integers(0, 5))
+def test_the_kind_of_any_contour_is_that_which_linking_numbers_tell(solid, seed):
+    mesh = height_mesh(solid.points, solid.faces, solids.rotation(seed))
+    graph = surface_reeb_graph(mesh)
+    levels = make_levels(mesh, uniform_heights(*mesh.points[[0, -1], 2], np.ptp(mesh.points[:, 2]) / 12))
+    contours, of_arcs = trace_arcs_at_levels(mesh, graph, levels)
+    core = find_core(graph)
+    nesting = nest_bodies(mesh, levels, contours, of_arcs, np.zeros(len(mesh.points), np.int32))
+    chosen = np.flatnonzero(core.chain[nesting.arc] >= 0)
+    kind, own = find_kinds(core, nesting, chosen)
+    curves = draw_circles(contours, chosen, levels.height[contours.level[chosen]])
+    turned = solid.points @ solids.rotation(seed).T
+    for place, sides in enumerate(kinds_by_linking(turned, solid.faces, curves)):
+        if sides != (True, True):  # it cuts no loop
+            assert KINDS[kind[place]] == KIND_OF_SIDES[sides]
+            assert own[place] == sides[int(nesting.inner[chosen[place]])]
+
+
+@cases(15)
+@given(solids.trusses((3, 3, 2)), st.integers(0, 5))
+def test_cycles_run_through_both_ends_and_stay_between(solid, seed):
+    graph = surface_reeb_graph(height_mesh(solid.points, solid.faces, solids.rotation(seed)))
+    bottom, top = pair_loops(graph)
+    cycles = trace_loops(find_core(graph), bottom, top)
+    for k, (start, end) in enumerate(itertools.pairwise(cycles.start)):
+        members = cycles.member[start:end]
+        assert len(set(members.tolist())) == len(members)
+        nodes, count = np.unique(graph.arcs[members], return_counts=True)
+        assert (count == 2).all() and len(nodes) == len(members)
+        assert (nodes[0], nodes[-1]) == (bottom[k], top[k])
+        assert networkx.is_connected(networkx.Graph(graph.arcs[members].tolist()))
+
+
 # --------------------------------------------------------------------------
 # Shapes of which one knows
-
-
-def hollow_ring():
-    return solids.unite(solids.torus(upright=True), solids.carve(solids.torus(minor=0.4, upright=True)))
 
 
 @pytest.mark.parametrize(
@@ -203,6 +243,16 @@ def test_a_circle_with_a_bent_bore_inside_is_a_handle_though_its_disc_is_not_fla
     assert np.allclose(np.sort(loops.section), [1, 23])
 
 
+def test_a_longer_circle_is_taken_where_the_shorter_one_is_mixed():
+    """A hollow frame with a hole in one leg: only the level of the hole has a contour that is a handle's."""
+    filled = np.ones((11, 3, 11), bool)
+    filled[3:8, :, 3:8] = False
+    filled[1:10, 1, [1, 9]] = filled[[1, 9], 1, 1:10] = False
+    filled[0, 1, 5] = False
+    loops = check(solids.voxels(filled), np.eye(3), 2)
+    assert sorted(zip(loops.kind.tolist(), loops.perimeter.tolist())) == [("handle", 16.0), ("tunnel", 4.0)]
+
+
 def test_the_picture_has_each_kind_in_its_colour():
     ring = hollow_ring()
     loops = find_loops(ring.points, ring.faces)
@@ -222,7 +272,7 @@ def test_the_door_says_what_is_wrong():
 
 def test_a_coarse_distance_misses_no_loop():
     solid = solids.truss((3, 3, 3), 2**54 - 1)
-    loops = find_loops(solid.points, solid.faces, solids.rotation(1), distance=100.0)
+    loops = check(solid, solids.rotation(1), distance=100.0)
     assert len(loops.bottom) == solid.genus > 20
     check_kinds(solid, loops)
 
