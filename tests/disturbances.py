@@ -41,9 +41,10 @@ class Round:
         self.note += f" {stage} +{delay:.2f} s"
         logs = self.folder / "results/logs" / stage
         while process.poll() is None and time.time() - begun < PATIENCE:
-            if any(log.stat().st_mtime > begun for log in logs.glob("*.log")):
-                time.sleep(delay)
-                return
+            with suppress(FileNotFoundError):  # Snakemake removes the log of a job before it begins
+                if any(log.stat().st_mtime > begun for log in logs.glob("*.log")):
+                    time.sleep(delay)
+                    return
             time.sleep(0.01)
 
     def result_files(self):
