@@ -2,11 +2,10 @@
 
 import numpy as np
 
-from .canvas import Words, draw_marks, measure_text, new_canvas, rgb, write_words
-from .marks import INK, SOFT
-from .rasters import rasterize_mesh, widest_azimuth
+from .canvas import rgb
+from .glass import draw_glass, write_legend
+from .rasters import rasterize_mesh
 from .shading import shade_layers
-from .views import fit_view
 
 # Colours of Okabe and Ito, told apart by the colour-blind; what is most urgent for a coater or printer is warmest.
 INKS = {"basin": "#0072B2", "bell": "#E69F00", "sealed": "#A3246E", "island": "#009E73"}
@@ -40,14 +39,8 @@ def draw_pockets(name, points, faces, bodies, kinds, options):
     (height, width, 3) uint8
         The picture is as high as wide. Where several bodies lie behind one another, the nearest is coloured.
     """
-    width = int(options.get("width", 800))
-    canvas = new_canvas(width, width, width / 432)
-    azimuth, elevation = options.get("azimuth"), float(options.get("elevation", 15))
-    azimuth = widest_azimuth(points, faces, elevation) if azimuth is None else float(azimuth)
-    view = fit_view(points, azimuth, elevation, width, width, margin=0.12)
-    fine = view._replace(width=2 * width, height=2 * width, scale=2 * view.scale)
-    jump = 0.012 * float(np.ptp(points, axis=0).max())
-    seen = shade_layers(rasterize_mesh(points, faces, fine), jump, 2) / 255.0
+    canvas, view, fine, jump = draw_glass(points, faces, options)
+    seen, width = canvas.image / 255.0, view.width
     own = {kind: [body for body, other in zip(bodies, kinds, strict=True) if other == kind] for kind in INKS}
     layers = {kind: _rasterize_all(own[kind], fine) for kind in INKS if own[kind]}
     nearest = np.maximum.reduce([layer.depth for layer in layers.values()], initial=-np.inf)
@@ -57,8 +50,7 @@ def draw_pockets(name, points, faces, bodies, kinds, options):
         tone = shade_layers(layer, jump, 2).mean(axis=2, keepdims=True) / 255
         seen *= 1 - STRENGTH * covered * (1 - np.clip(rgb(INKS[kind]) / 255 * (0.55 + 0.75 * tone), 0, 1))
     canvas.image[:] = np.rint(255 * seen)
-    counts = {kind: list(kinds).count(kind) for kind in INKS if kind in kinds}
-    write_words(canvas, [Words(name, (0.04 * width, 0.05 * width), 13, INK, bold=True), *_legend(canvas, counts)])
+    write_legend(canvas, name, kinds, INKS, WORDS)
     return canvas.image
 
 
@@ -67,14 +59,3 @@ def _rasterize_all(bodies, view):
     shifts = np.cumsum([0, *(len(points) for points, _ in bodies)])
     faces = np.concatenate([corners + shift for (_, corners), shift in zip(bodies, shifts)])
     return rasterize_mesh(np.concatenate([points for points, _ in bodies]), faces, view)
-
-
-def _legend(canvas, counts):
-    """A mark and words for each kind that there is, in a row at the bottom."""
-    words, left, y = [], 0.04 * canvas.image.shape[1], canvas.image.shape[0] - 16 * canvas.unit
-    for kind, count in counts.items():
-        draw_marks(canvas, [(left + 5 * canvas.unit, y)], "s", 8, rgb(INKS[kind]), 0.5, rgb(INKS[kind]))
-        text = f"{kind} ({count:,}): {WORDS[kind]}"
-        words.append(Words(text, (left + 12 * canvas.unit, y), 8.5, SOFT))
-        left += 24 * canvas.unit + measure_text(canvas, text, 8.5)
-    return words

@@ -1,0 +1,83 @@
+"""What still pictures share that show something inside a surface, as through glass."""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from .canvas import Canvas, Words, draw_marks, measure_text, new_canvas, rgb, write_words
+from .marks import INK, SOFT
+from .rasters import rasterize_mesh, widest_azimuth
+from .shading import shade_layers
+from .views import View, fit_view
+
+
+class Glass(NamedTuple):
+    """A picture of a translucent surface, as high as wide.
+
+    Attributes
+    ----------
+    canvas : Canvas
+        With the surface on it.
+    view : View
+    fine : View
+        The same, twice as fine.
+    jump : float
+        Step of depth that is outlined, mesh units.
+    """
+
+    canvas: Canvas
+    view: View
+    fine: View
+    jump: float
+
+
+def draw_glass(points, faces, options):
+    """Draw a translucent surface.
+
+    Parameters
+    ----------
+    points, faces : (n, 3) float64 and (m, 3) int
+        The surface in the tilted frame, height up.
+    options : dict
+        width (pixels), azimuth (degrees, or None for the largest silhouette) and elevation (degrees).
+
+    Returns
+    -------
+    Glass
+    """
+    width = int(options.get("width", 800))
+    canvas = new_canvas(width, width, width / 432)
+    azimuth, elevation = options.get("azimuth"), float(options.get("elevation", 15))
+    azimuth = widest_azimuth(points, faces, elevation) if azimuth is None else float(azimuth)
+    view = fit_view(points, azimuth, elevation, width, width, margin=0.12)
+    fine = view._replace(width=2 * width, height=2 * width, scale=2 * view.scale)
+    jump = 0.012 * float(np.ptp(points, axis=0).max())
+    canvas.image[:] = shade_layers(rasterize_mesh(points, faces, fine), jump, 2)
+    return Glass(canvas, view, fine, jump)
+
+
+def write_legend(canvas, name, kinds, inks, words):
+    """Write a name at the top, and at the bottom a mark and words for each kind that there is.
+
+    Parameters
+    ----------
+    canvas : Canvas
+        Drawn on in place.
+    name : str
+    kinds : list of str
+        Of everything that is shown.
+    inks, words : dict of str to str
+        Colour, and what is said of a kind, in the order of the legend.
+    """
+    width = canvas.image.shape[1]
+    lines, left, y = (
+        [Words(name, (0.04 * width, 0.05 * width), 13, INK, bold=True)],
+        0.04 * width,
+        width - 16 * canvas.unit,
+    )
+    for kind in [kind for kind in inks if kind in kinds]:
+        draw_marks(canvas, [(left + 5 * canvas.unit, y)], "s", 8, rgb(inks[kind]), 0.5, rgb(inks[kind]))
+        text = f"{kind} ({list(kinds).count(kind):,}): {words[kind]}"
+        lines.append(Words(text, (left + 12 * canvas.unit, y), 8.5, SOFT))
+        left += 24 * canvas.unit + measure_text(canvas, text, 8.5)
+    write_words(canvas, lines)
