@@ -6,7 +6,7 @@ from hypothesis import strategies as st
 
 import solids
 from reebslice.graphs.exact import exact_graphs
-from reebslice.morse.face_arcs import label_arcs
+from reebslice.morse.face_arcs import label_arcs, label_faces
 from reebslice.morse.height_mesh import height_mesh
 from reebslice.morse.ordered_mesh import next_half_edge
 from reebslice.morse.reeb_graph import surface_reeb_graph
@@ -70,10 +70,24 @@ def test_a_face_lies_on_an_arc_that_passes_its_middle(solid, seed):
     assert (labels.of_face[regular] == labels.of_vertex[middle[regular]]).all()
 
 
-def test_the_two_legs_of_an_arch_are_two_arcs():
+@cases(40)
+@given(solids.any_solids(), st.integers(0, 5))
+def test_faces_keep_their_arcs_in_the_order_of_the_caller(solid, seed):
+    rotation = solids.rotation(seed)
+    surface, _ = exact_graphs(solid.points, solid.faces, rotation)
+    arcs = label_faces(solid.points, solid.faces, rotation)
+    random = np.random.default_rng(seed)
+    order, turn = random.permutation(len(solid.faces)), random.integers(3, size=len(solid.faces))
+    shuffled = np.take_along_axis(solid.faces, (turn[:, None] + np.arange(3)) % 3, axis=1)[order]
+    assert label_faces(solid.points, shuffled, rotation).tolist() == arcs[order].tolist()
+    low, high = surface.height[surface.arcs[arcs]].T
+    middle = np.sort((solid.points @ rotation[2])[solid.faces], axis=1)[:, 1]
+    assert (low <= middle + 1e-9).all() and (middle <= high + 1e-9).all()
+
+
+def test_the_legs_of_an_arch_are_arcs_of_their_own():
     arch = solids.arch()
-    surface, _ = exact_graphs(arch.points, arch.faces)
-    mesh = height_mesh(arch.points, arch.faces)
-    labels = label_arcs(mesh, surface_reeb_graph(mesh))
-    assert len(np.unique(labels.of_face)) <= len(surface.arcs)
-    assert set(labels.of_face.tolist()) <= set(range(len(surface.arcs)))
+    arcs, middles = label_faces(arch.points, arch.faces), arch.points[arch.faces].mean(axis=1)
+    below = middles[:, 2] < 0.9 * arch.points[:, 2].max() / 2
+    left = middles[:, 0] < arch.points[:, 0].mean()
+    assert set(arcs[below & left]).isdisjoint(arcs[below & ~left])

@@ -31,6 +31,7 @@ _HOMES = {
     "find_pockets": "graphs.pockets",
     "height_mesh": "morse.height_mesh",
     "inspect_surface": "mesh.inspection",
+    "label_faces": "morse.face_arcs",
     "nested_blocks": "slicing.slices",
     "nested_contours": "slicing.slices",
     "pocket_bodies": "graphs.bodies",

@@ -12,6 +12,7 @@ from .graphs.pockets import find_islands as find_islands
 from .graphs.pockets import find_pockets as find_pockets
 from .graphs.voids import void_reeb_graph as void_reeb_graph
 from .mesh.inspection import inspect_surface as inspect_surface
+from .morse.face_arcs import label_faces as label_faces
 from .morse.height_mesh import HeightMesh as HeightMesh
 from .morse.height_mesh import height_mesh as height_mesh
 from .morse.reeb_graph import ReebGraph as ReebGraph

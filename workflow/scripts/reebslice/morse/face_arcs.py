@@ -8,15 +8,19 @@ is walked and its mesh edges are labelled anew, so that time grows as the mesh
 and as those shorter contours.
 """
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from ..arrays.components import find
 from ..arrays.grouping import list_incidence
 from ..kernels import njit
+from ..mesh.arguments import take_mesh
 from .contour_trees import find_gates
+from .height_mesh import height_mesh
 from .ordered_mesh import next_half_edge
+from .reeb_graph import surface_reeb_graph
 
 
 class ArcLabels(NamedTuple):
@@ -33,6 +37,49 @@ class ArcLabels(NamedTuple):
 
     of_vertex: np.ndarray
     of_face: np.ndarray
+
+
+def label_faces(points: Any, faces: ArrayLike | None = None, rotation: ArrayLike | None = None) -> np.ndarray:
+    """Find the arc of the surface's Reeb graph on which each face lies.
+
+    Parameters
+    ----------
+    points, faces, rotation
+        As for :func:`.height_mesh.height_mesh`.
+
+    Returns
+    -------
+    (m,) int32
+        Of each row of `faces` the arc, a row of `arcs` of the first graph of :func:`exact_graphs`, that passes the
+        middle of the face, as :class:`ArcLabels` says. Exact, as the graph is.
+
+    Raises
+    ------
+    NotASolidError, ReebsliceError
+        As of `height_mesh`.
+
+    Examples
+    --------
+    >>> points = np.array([[0, 0, 0], [1, 0, 0.1], [0, 1, 0.2], [0, 0, 1]])
+    >>> label_faces(points, [[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]]).tolist()
+    [0, 0, 0, 0]
+    """
+    points, corners = take_mesh(points, faces)
+    mesh = height_mesh(points, corners, rotation)
+    labels = label_arcs(mesh, surface_reeb_graph(mesh))
+    # unfolding adds faces without area between the copies of a saddle, and puts all into another order
+    found = mesh.vertex[mesh.faces]
+    kept = (found != np.roll(found, 1, axis=1)).all(axis=1)
+    arcs = np.empty(len(corners), np.int32)
+    arcs[_order_of_faces(corners)] = labels.of_face[kept][_order_of_faces(found[kept])]
+    return arcs
+
+
+def _order_of_faces(faces):
+    """An order of faces that does not depend on theirs, nor on the corner that each begins with: (m,) int."""
+    first = faces.argmin(axis=1)
+    turned = np.take_along_axis(faces, (first[:, None] + np.arange(3)) % 3, axis=1)
+    return np.lexsort(turned.T[::-1])
 
 
 def label_arcs(mesh, graph):
@@ -52,8 +99,7 @@ def label_arcs(mesh, graph):
     """
     gates = find_gates(mesh.faces, mesh.twins, len(mesh.points))
     incident = list_incidence(graph.arcs, len(graph.nodes))
-    above = _sweep(mesh, graph, gates.into, incident)
-    return ArcLabels(*above)
+    return ArcLabels(*_sweep(mesh, graph, gates.into, incident))
 
 
 @njit
