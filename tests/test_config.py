@@ -11,6 +11,7 @@ import yaml
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
+import pipeline
 from corpus.configuration import LARGEST_LENGTH, SMALLEST_LENGTH, ConfigError, check_config
 from corpus.layout import STAGES
 from corpus.stages import Rejected
@@ -23,17 +24,7 @@ from small_corpus import write_prism
 
 ROOT = Path(__file__).parent.parent
 SCHEMA = yaml.safe_load((ROOT / "workflow" / "schemas" / "config.schema.yaml").read_text())
-SECTIONS = {
-    "inspect_mesh": "inspect",
-    "select_tilt": "tilt",
-    "slice_mesh": "levels",
-    "classify_handles": None,
-    "sample_nodes": "nodes",
-    "synthesize_edges": "edges",
-    "certify": "levels",
-    "draw": "draw",
-    "compare_links": "compare",
-}
+SECTIONS = pipeline.STAGES | {"certify": "levels", "draw": "draw", "compare_links": "compare"}
 SHIPPED = yaml.safe_load((ROOT / "config" / "config.yaml").read_text())
 
 
