@@ -1,5 +1,7 @@
 """The void's Reeb graph, pockets and islands: against theory, and against floods of voxels."""
 
+import heapq
+import itertools
 from collections import Counter
 
 import networkx
@@ -126,8 +128,61 @@ def test_shallow_pockets_are_left_out():
     solid = solids.cup()
     assert len(find_pockets(solid.points, solid.faces, least_depth=1.0).kind) == 1
     assert len(find_pockets(solid.points, solid.faces, least_depth=1.01).kind) == 0
-    with pytest.raises(ReebsliceError, match=r"least_depth is -1"):
-        find_pockets(solid.points, solid.faces, least_depth=-1)
+    for wrong in (-1, np.nan, "1", None):
+        for find in (find_pockets, find_islands):
+            with pytest.raises(ReebsliceError, match=f"least_depth is {wrong!r}"):
+                find(solid.points, solid.faces, least_depth=wrong)
+
+
+def test_points_in_no_face_are_passed_over():
+    cup, loose = solids.cup(), [[np.nan] * 3, [9.0, 9.0, 9.0]]
+    points = np.concatenate([loose, cup.points])
+    pockets, plain = find_pockets(points, cup.faces + 2), find_pockets(cup.points, cup.faces)
+    assert pockets.begin.tolist() == (plain.begin + 2).tolist() and pockets.volume.tolist() == plain.volume.tolist()
+    [(corners, _)] = pocket_bodies(points, cup.faces + 2, pockets)
+    assert np.ptp(corners, axis=0) == pytest.approx([1, 1, 1])
+
+
+def test_water_on_a_terrain_is_that_of_a_flood_from_its_border():
+    size, random = 14, np.random.default_rng(7)
+    land, width = solids.terrain(1 + random.random((size, size))), size**2
+    points, faces = land.points, land.faces
+    top = faces[(points[faces][:, :, 2] > 0.5).all(axis=1)]
+    level = spill_levels(points, top)
+    held = sum(water_over(points[face], level[face].min()) for face in top)
+    pockets = find_pockets(points, faces)
+    assert (pockets.kind == "basin").sum() > 5 and width == len(np.unique(top))
+    assert drained(pockets, "basin") == pytest.approx(held, rel=1e-9)
+
+
+def spill_levels(points, top):
+    """To what height water stands over each vertex: the lowest pass on any way along mesh edges to the border."""
+    near = {vertex: set() for vertex in np.unique(top).tolist()}
+    sides = Counter(frozenset(side) for face in top.tolist() for side in itertools.combinations(face, 2))
+    for one, other in sides:
+        near[one].add(other)
+        near[other].add(one)
+    border = set().union(*(side for side, count in sides.items() if count == 1))
+    level, waiting = np.full(len(points), -np.inf), [(points[vertex, 2], vertex) for vertex in border]
+    heapq.heapify(waiting)
+    while waiting:
+        height, vertex = heapq.heappop(waiting)
+        if level[vertex] == -np.inf:
+            level[vertex] = height
+            for other in near[vertex]:
+                heapq.heappush(waiting, (max(height, points[other, 2]), other))
+    return level
+
+
+def water_over(corners, level):
+    """Volume between a triangle, seen from above, and a level: by divided differences of the third power."""
+    heights = np.sort(corners[:, 2])
+    (ax, ay), (bx, by) = (corners[k, :2] - corners[0, :2] for k in (1, 2))
+    powers = [
+        max(level - z, 0.0) ** 3 / np.prod([other - z for other in np.delete(heights, k)])
+        for k, z in enumerate(heights)
+    ]
+    return abs(ax * by - ay * bx) / 6 * sum(powers)
 
 
 @cases(40)

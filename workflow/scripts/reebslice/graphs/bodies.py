@@ -60,15 +60,15 @@ def pocket_bodies(
 
     points, faces = take_mesh(points, faces)
     matrix = take_rotation(rotation)
-    tilted = tilt_points(points, matrix)
-    gap = NEAR * np.ptp(tilted[find_used(len(points), faces), 2])
+    tilted, used = tilt_points(points, matrix), find_used(len(points), faces)
+    gap, faces = NEAR * np.ptp(tilted[used, 2]), np.searchsorted(used, faces)
     wholes: dict = {}
     parts: dict = {}
     bodies = []
     for row, (kind, low, high) in enumerate(zip(pockets.kind.tolist(), pockets.begin_height, pockets.end_height)):
         solid = kind == "island"
         if solid not in wholes:
-            corners, triangles = (tilted, faces) if solid else box_in(tilted, faces)
+            corners, triangles = (tilted[used], faces) if solid else box_in(tilted[used], faces)
             wholes[solid] = Manifold(Mesh64(np.ascontiguousarray(corners), np.ascontiguousarray(triangles, np.uint64)))
         if (solid, low < high, high) not in parts:
             up = 1.0 if low < high else -1.0

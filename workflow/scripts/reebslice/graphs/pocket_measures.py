@@ -9,8 +9,9 @@ from ..kernels import njit
 from ..slicing.levels import Levels, cut_between
 from ..slicing.slices import cut_surface
 
-# Of the height range: so far below a rim its section is taken, since at the rim itself contours touch.
-GAP = 1e-6
+# So far before a rim its section is taken, since at the rim itself contours touch: of the pocket's depth,
+# so that the volume is right to the square of it, but beyond rounding, of the height of all.
+GAP, ROUNDING = 1e-6, 1e-12
 
 
 class Pockets(NamedTuple):
@@ -86,7 +87,7 @@ def measure_pockets(mesh, graph, body_of_vertex, found):
     kind = np.repeat([name for name, *_ in found], [len(pairs) for _, pairs, _ in found])
     whole = np.concatenate([np.full(len(pairs), whole) for _, pairs, whole in found])
     begin, end = np.concatenate([pairs for _, pairs, _ in found]).astype(np.int64).T
-    levels, level = _levels_at(mesh, end, end > begin)
+    levels, level = _levels_at(mesh, begin, end)
     slices = cut_surface(mesh, levels, body_of_vertex, graph)
     volume, section, into = np.zeros(len(kind)), np.zeros(len(kind)), np.full(len(kind), -1, np.int32)
     for upward in (True, False):
@@ -104,22 +105,22 @@ def measure_pockets(mesh, graph, body_of_vertex, found):
     )
 
 
-def _levels_at(mesh, end, upward):
+def _levels_at(mesh, begin, end):
     """A level just before each end, and the number of it; of a pocket that is swept downward, that is just above."""
-    height = mesh.points[:, 2]
-    gap, cuts = GAP * (height[-1] - height[0]), {}
-    for rank, up in zip(end.tolist(), upward.tolist()):
-        low, high = (rank - 1, rank) if up else (rank, rank + 1)
+    height, cuts = mesh.points[:, 2], []
+    least = ROUNDING * (height[-1] - height[0])
+    for first, last in zip(begin.tolist(), end.tolist()):
+        low, high = (last - 1, last) if last > first else (last, last + 1)
         z, below, *tie = cut_between(mesh, low, high)
         if height[low] < height[high]:
-            step = min(gap, (height[high] - height[low]) / 2)
-            z, below, tie = (height[rank] - step if up else height[rank] + step), high, [np.nan, np.nan]
-        cuts[rank, up] = (below, z, *tie)
-    ordered = sorted(set(cuts.values()), key=lambda cut: cut[:2])
+            step = max(GAP * abs(height[last] - height[first]), least)
+            step = min(step, (height[high] - height[low]) / 2)
+            z, below, tie = (height[last] - step if last > first else height[last] + step), high, [np.nan, np.nan]
+        cuts.append((below, z, *tie))
+    ordered = sorted(set(cuts), key=lambda cut: cut[:2])
     number = {cut: k for k, cut in enumerate(ordered)}
     below, z, tie_x, tie_y = np.array(ordered, float).reshape(-1, 4).T
-    level = np.array([number[cuts[key]] for key in zip(end.tolist(), upward.tolist())], np.int64)
-    return Levels(z, below.astype(np.int32), tie_x, tie_y), level
+    return Levels(z, below.astype(np.int32), tie_x, tie_y), np.array([number[cut] for cut in cuts], np.int64)
 
 
 def _seen(slices, graph, upward):

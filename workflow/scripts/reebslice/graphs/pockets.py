@@ -7,6 +7,7 @@ superlevel sets, which the graph's extended persistence pairs with the critical
 points where they end.
 """
 
+from numbers import Real
 from typing import Any
 
 import numpy as np
@@ -60,8 +61,7 @@ def find_pockets(
     >>> pockets.kind.tolist(), pockets.volume.round(6).tolist(), pockets.section.round(6).tolist()
     (['basin'], [1.5], [1.0])
     """
-    if not least_depth >= 0:
-        raise ReebsliceError(f"least_depth is {least_depth}: it must be 0 or more, in mesh units.")
+    _check_depth(least_depth)
     mesh = void_mesh(points, faces, rotation)
     graph = surface_reeb_graph(mesh)
     body = np.zeros(len(mesh.points), np.int32)
@@ -114,8 +114,7 @@ def find_islands(
     >>> islands.begin_height.tolist(), islands.end_height.tolist(), islands.volume.round(6).tolist()
     ([1.0], [3.0], [2.0])
     """
-    if not least_depth >= 0:
-        raise ReebsliceError(f"least_depth is {least_depth}: it must be 0 or more, in mesh units.")
+    _check_depth(least_depth)
     points, faces = take_arrays(points, faces)
     mesh = height_mesh(points, faces, rotation)
     graph = surface_reeb_graph(mesh)
@@ -128,6 +127,12 @@ def find_islands(
         chosen = chosen[height[chosen[:, 0]] > height[0] + least_depth]
         found.append(("island", nodes[_deep(mesh, nodes, chosen, least_depth)], whole))
     return measure_pockets(mesh, graph, body, found)
+
+
+def _check_depth(least_depth):
+    """Raise ReebsliceError unless this is a length of 0 or more."""
+    if not isinstance(least_depth, Real) or not least_depth >= 0:
+        raise ReebsliceError(f"least_depth is {least_depth!r}: it must be a number of 0 or more, in mesh units.")
 
 
 def _same_component(count, arcs, node):
