@@ -206,6 +206,7 @@ def explain_error(log):
     told = [f"{path}: {word}" for path, word in words.items()] + find_full_disks([".", tempfile.gettempdir()])
     logger.error(
         "The run did not finish. Models that were completed are kept; start it again, as it is, to go on. "
+        f"{MODELS_TABLE}, if it is there, is that of an earlier run. "
         f"The log is {', '.join(map(str, log)) or 'not written'}\n{list_first(told)}"
     )
 

@@ -52,6 +52,8 @@ def _tell_end(log, terminal, kind, fault, trace):
     """Tell of an exception that ends this process."""
     sentence = " ".join(f"{ENDED}{describe_fault(fault)}".split())
     with suppress(OSError):
+        sys.stdout.flush()  # or what was printed before would come after the last word
+    with suppress(OSError):
         traceback.print_exception(kind, fault, trace)
         print(sentence, file=sys.stderr, flush=True)
     if issubclass(kind, Exception):  # a user who interrupts the run knows
