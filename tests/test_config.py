@@ -24,7 +24,9 @@ from small_corpus import write_prism
 
 ROOT = Path(__file__).parent.parent
 SCHEMA = yaml.safe_load((ROOT / "workflow" / "schemas" / "config.schema.yaml").read_text())
-SECTIONS = pipeline.STAGES | {"certify": "levels", "draw": "draw", "compare_links": "compare"}
+SECTIONS = pipeline.STAGES | {
+    "certify": "levels", "draw": "draw", "find_loops": "loops", "compare_links": "compare",
+}  # fmt: skip
 SHIPPED = yaml.safe_load((ROOT / "config" / "config.yaml").read_text())
 
 

@@ -5,6 +5,7 @@ import os
 import socket
 import subprocess
 import sys
+from itertools import pairwise
 from pathlib import Path
 
 import pyarrow as pa
@@ -12,7 +13,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from corpus import batches, layout, model_table, promises, stages
+from corpus import batches, layout, model_table, stages
 from corpus.batches import form_batches
 from corpus.code_digest import digest_code, find_sources, read_outputs
 from corpus.companions import digest_mesh
@@ -139,7 +140,9 @@ def test_a_mesh_is_another_when_a_file_that_it_names_is():
 
 
 def test_the_key_of_the_inspection_covers_every_reader():
-    formats = {path for path in (SCRIPTS / "reebslice/formats").glob("*.py") if path.stem not in ("graphml", "wkb")}
+    formats = {
+        path for path in (SCRIPTS / "reebslice/formats").glob("*.py") if path.stem not in ("graphml", "vtp", "wkb")
+    }
     assert formats <= set(find_sources(SCRIPTS / "inspect_mesh.py"))
 
 
@@ -374,9 +377,8 @@ def promised(rows, stage, outputs):
 
 
 @pytest.fixture
-def corpus_of_two_stages(monkeypatch):
+def corpus_of_two_stages():
     """One good and one rejected model, computed by two stages; with their outputs."""
-    monkeypatch.setattr(promises, "STAGES", STAGES[:2])
     inspect, tilt = Stage(), Stage("tilt_")
     rows = run(inspect, first_rows(a="x", b="reject"))
     first = promised(rows.values(), STAGES[0], inspect.outputs)
@@ -411,6 +413,38 @@ def test_a_failure_is_tried_again(corpus_of_two_stages):
     first, _, outputs = corpus_of_two_stages
     run(Stage(), first_rows(a="fail", b="reject"))
     assert find_broken_promises({"batch-all": ["a", "b"]}, outputs) == [first]
+
+
+# The tree of stages
+
+
+def test_every_stage_goes_on_from_one_that_comes_before_it():
+    assert [stage for stage, before in layout.BEFORE.items() if before is None] == [STAGES[0]]
+    for stage in layout.BEFORE:
+        line = layout.line_to(stage)
+        assert line[0] == STAGES[0] and line[-1] == stage
+        assert all(layout.BEFORE[later] == earlier for earlier, later in pairwise(line))
+        assert all(stage in layout.line_to(behind) for behind in layout.line_behind(stage))
+
+
+@pytest.mark.parametrize(
+    "lost, found",
+    [("select_tilt", [1]), ("slice_mesh", [2]), ("compare_links", [3]), ("slice_mesh compare_links", [2, 3])],
+)
+def test_what_is_lost_on_one_branch_withdraws_nothing_of_another(lost, found):
+    """Three stages in a line, and one that goes on from the first of them."""
+    stages = ("inspect_mesh", "select_tilt", "slice_mesh", "compare_links")
+    made = {stage: Stage(stage) for stage in stages}
+    rows = {"": first_rows(a="x")}
+    tables, outputs = [], {stage: made[stage].outputs for stage in stages}
+    for stage in stages:
+        before = layout.BEFORE[stage] or ""
+        done = run(made[stage], rows[before], stage) if before else run(made[stage], rows[before])
+        rows[stage] = done.values()
+        tables.append(promised(rows[stage], stage, outputs[stage]))
+    for stage in lost.split():
+        (MODELS_FOLDER / "a" / outputs[stage][0]).unlink()
+    assert find_broken_promises({"batch-all": ["a"]}, outputs) == [tables[number] for number in found]
 
 
 # The table of all models

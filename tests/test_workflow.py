@@ -14,7 +14,7 @@ import pyarrow.parquet as pq
 import pytest
 
 from corpus.code_digest import find_sources, read_outputs
-from corpus.layout import STAGES
+from corpus.layout import STAGES, line_behind
 from corpus.receipts import receipt_name
 from corpus.storage import read_json, read_key
 
@@ -68,7 +68,7 @@ def stamps(folder, model):
 
 
 def stages_from(stage):
-    return set(STAGES[STAGES.index(stage) :])
+    return set(line_behind(stage)).intersection(STAGES)
 
 
 @pytest.fixture(scope="module")
@@ -264,6 +264,20 @@ def test_a_run_that_digests_everything_notices_what_has_size_and_time_of_before(
     assert {"vertices.parquet", "picture.png", "certificate.json"} <= {path.name for path in other}
     changed = {name for name, time in stamps(folder, "tall").items() if time != old[name]}
     assert changed == {"picture.png", receipt_name("draw")}
+
+
+def test_a_side_stage_that_is_switched_off_is_not_asked_for_and_its_results_stay_right(folder):
+    before, off = results(folder), (*OPTIONS, "loops={find: false}")
+    assert planned(folder, options=off) == {}  # what is there stays, and is withdrawn with what it was made of
+    write_box(folder / "meshes/tall.off", 2.0)
+    code, said = run(folder, options=off)
+    assert code == 0, said
+    assert {path.name for path in before if not (folder / path).exists()} == set(
+        read_outputs(SCRIPTS / "find_loops.py")
+    )
+    assert not [name for name in pq.read_schema(folder / "results/corpus/models.parquet").names if "loops" in name]
+    assert run(folder)[0] == 0
+    assert {path.parent.name for path in results(folder) if path.name == "loops.parquet"} == {"tall", "sub__wide box"}
 
 
 def test_a_fault_of_the_program_stops_one_model_is_told_and_tried_again(folder, checkout):

@@ -28,7 +28,7 @@ from corpus.batches import (
 from corpus.code_digest import compiled_code_folder, digest_code, read_outputs
 from corpus.configuration import ConfigError, check_config, restore_texts
 from corpus.discovery import CorpusError, find_models
-from corpus.layout import MODELS_TABLE, STAGES
+from corpus.layout import MODELS_TABLE, STAGES, chosen_stages, line_behind
 from corpus.model_table import count_models
 from corpus.process import find_full_disks, find_last_words
 from corpus.promises import find_broken_promises
@@ -57,6 +57,7 @@ except CorpusError as error:
     raise WorkflowError(str(error)) from None
 
 BATCHES = form_batches(MODELS, **config["batches"])
+CHOSEN = chosen_stages(config)
 CODE = {stage: digest_code(SCRIPTS / f"{stage}.py") for stage in (*STAGES, "collect_models")}
 
 
@@ -78,7 +79,7 @@ def withdraw_table(table):
 # the rest.
 WITHDRAWN = []
 if workflow.is_main_process:
-    OUTPUTS = {stage: read_outputs(SCRIPTS / f"{stage}.py") for stage in STAGES}
+    OUTPUTS = {stage: read_outputs(SCRIPTS / f"{stage}.py") for stage in CHOSEN}
     WITHDRAWN = find_broken_promises(BATCHES, OUTPUTS, config["verify"])
     for table in WITHDRAWN:
         withdraw_table(table)
@@ -133,13 +134,13 @@ def priority_at(stage):
     So all batches end at about the same time. In any order, one begun last
     goes through its stages alone while other cores have nothing to do.
     """
-    left = len(STAGES) - STAGES.index(stage) + 1  # the last stages, which take the longest, count as one more
+    left = len(line_behind(stage)) + 1  # the last stages, which take the longest, count as one more
     return lambda wildcards: left * predict_work(MODELS, BATCHES[wildcards.batch])
 
 
 def status_tables():
     """Status tables of all batches, in the order of BATCHES, by stage."""
-    return {stage: [f"results/status/{stage}/{batch}.parquet" for batch in BATCHES] for stage in STAGES}
+    return {stage: [f"results/status/{stage}/{batch}.parquet" for batch in BATCHES] for stage in CHOSEN}
 
 
 def gathering_memory(wildcards, attempt):

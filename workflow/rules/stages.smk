@@ -164,6 +164,28 @@ rule certify:
         "../scripts/certify.py"
 
 
+# Finds the place of every loop of the surface: a circle around it and a closed path along it.
+# Writes loops; aside of the stages above, which do not wait for it.
+rule find_loops:
+    input:
+        status="results/status/classify_handles/{batch}.parquet",
+    output:
+        status="results/status/find_loops/{batch}.parquet",
+    log:
+        "results/logs/find_loops/{batch}.log",
+    benchmark:
+        "results/benchmarks/find_loops/{batch}.tsv"
+    priority: priority_at("find_loops")
+    resources:
+        mem_mb=memory_of,
+        runtime=runtime_of,
+    params:
+        options={"distance": config["loops"]["distance"]},
+        code=CODE["find_loops"],
+    script:
+        "../scripts/find_loops.py"
+
+
 # Draws the mesh with its graph inside, beside the graph by height.
 rule draw:
     input:

@@ -4,7 +4,7 @@ import numpy as np
 
 from corpus.stages import run_batch
 from corpus.storage import write_table
-from corpus.surfaces import read_faces, read_points, vertex_bodies
+from corpus.surfaces import read_faces, read_points, read_shells
 from reebslice.links.comparison import compare_rules, model_half
 from reebslice.morse.height_mesh import height_mesh
 from reebslice.schemas import SCHEMAS
@@ -29,7 +29,7 @@ def main(source, target, options):
     for tilt in options["tilts"]:
         rotation = choose_rotation(points, faces, tilt)
         mesh = height_mesh(points, faces, rotation)
-        shell, body = vertex_bodies(source, mesh)
+        shell, body = (column[mesh.vertex] for column in read_shells(source, len(points)))
         for count in options["levels"]:
             same = {"model": source.name, "half": model_half(source.name), "tilt": tilt, "n_levels": count}
             low, high = mesh.points[[0, -1], 2]

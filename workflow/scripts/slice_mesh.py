@@ -4,7 +4,7 @@ import numpy as np
 
 from corpus.stages import Rejected, run_batch
 from corpus.storage import write_blocks, write_table
-from corpus.surfaces import read_faces, read_points, read_rotation, vertex_bodies
+from corpus.surfaces import read_faces, read_points, read_rotation, read_shells
 from reebslice.errors import TooManyCrossingsError
 from reebslice.morse.height_mesh import height_mesh
 from reebslice.morse.unfolding import unfoldings_table
@@ -16,8 +16,9 @@ OUTPUTS = ("levels.parquet", "contours.parquet", "unfoldings.parquet", "pieces.p
 
 def main(source, target, options):
     """Slice the model in folder `source`, write its tables to folder `target`."""
-    mesh = height_mesh(read_points(source), read_faces(source), read_rotation(source))
-    shell, body = vertex_bodies(source, mesh)
+    points = read_points(source)
+    mesh = height_mesh(points, read_faces(source), read_rotation(source))
+    shell, body = (column[mesh.vertex] for column in read_shells(source, len(points)))
     distance, feature_size = feature_scale(np.ptp(mesh.points[:, 2]), **options)
     try:
         slices, refined = slice_surface(mesh, body, distance, options["refine"], feature_size)

@@ -1,20 +1,46 @@
-"""Where results lie, the order of the stages, and the status tables between them."""
+"""Where results lie, the tree of the stages, and the status tables between them."""
 
 from pathlib import Path
 
 import pyarrow as pa
 import pyarrow.parquet as pq
 
-STAGES = (
-    "inspect_mesh",
-    "select_tilt",
-    "slice_mesh",
-    "classify_handles",
-    "sample_nodes",
-    "synthesize_edges",
-    "certify",
-    "draw",
-)
+# Every stage, and the one that it goes on from: it reads the status table of that one, and of a model what
+# that one and those before it wrote.
+BEFORE = {
+    "inspect_mesh": None,
+    "select_tilt": "inspect_mesh",
+    "slice_mesh": "select_tilt",
+    "classify_handles": "slice_mesh",
+    "sample_nodes": "classify_handles",
+    "synthesize_edges": "sample_nodes",
+    "certify": "synthesize_edges",
+    "draw": "certify",
+    "find_loops": "classify_handles",
+    "compare_links": "inspect_mesh",
+}
+# Those of the default target; the others are asked for by name.
+STAGES = tuple(stage for stage in BEFORE if stage != "compare_links")
+# Of these, those that a group of the configuration switches off by `find: false`.
+SIDE_STAGES = {"find_loops": "loops"}
+
+
+def line_to(stage):
+    """Return the stages that lead to this one, the first one first, itself last."""
+    before = BEFORE[stage]
+    return [*(line_to(before) if before else ()), stage]
+
+
+def line_behind(stage):
+    """Return this stage and those that go on from it, directly or not, in the order of BEFORE."""
+    return [each for each in BEFORE if stage in line_to(each)]
+
+
+def chosen_stages(config):
+    """Return the stages of the default target that the checked configuration wants."""
+    return tuple(stage for stage in STAGES if stage not in SIDE_STAGES or config[SIDE_STAGES[stage]]["find"])
+
+
 MODELS_FOLDER = Path("results/models")
 
 # One row per model of the batch. `path` is the mesh file; `reason` is empty

@@ -9,14 +9,14 @@ import pyarrow as pa
 import pyarrow.compute as pc
 import pyarrow.parquet as pq
 
-from .layout import MODELS_FOLDER, STAGES, read_status
+from .layout import MODELS_FOLDER, SIDE_STAGES, STAGES, read_status
 from .receipts import forget_stage
 from .storage import read_json
 
 # Files of figures, and the stages that write them; of figures of one name, that of the later file counts.
 FIGURES = {"inspection.json": "inspect_mesh", "sampling.json": "classify_handles", "certificate.json": "certify"}
+FIGURES |= {"loops.json": "find_loops"}
 FIRST = ("model", "path", "status", "reason", "verdict")
-LAST = tuple(f"{figure}_{stage}" for figure in ("seconds", "peak_memory_mb") for stage in STAGES)
 LONGEST = 8  # entries of a group or list that is spread over columns
 
 
@@ -28,10 +28,12 @@ def make_model_table(tables):
     tables : mapping of str to sequence of str
         Paths of the status tables by stage, one per batch, the batches in one order.
     """
+    stages = [stage for stage in STAGES if stage in tables]
+    last = [f"{figure}_{stage}" for figure in ("seconds", "peak_memory_mb") for stage in stages]
     parts = []
-    for paths in zip(*(tables[stage] for stage in STAGES), strict=True):  # rows as objects are held of one batch
-        parts.append(_make_table(_join_stages(paths)))
-    return _concatenate(parts).sort_by("model")
+    for paths in zip(*(tables[stage] for stage in stages), strict=True):  # rows as objects are held of one batch
+        parts.append(_make_table(_join_stages(stages, paths), last))
+    return _concatenate(parts, last).sort_by("model")
 
 
 def count_models(path):
@@ -50,14 +52,15 @@ def count_models(path):
     return {status: counts[status] for status in ("ok", "rejected", "failed")}, reasons
 
 
-def _join_stages(paths):
+def _join_stages(stages, paths):
     """Return the rows of one batch, from its status tables in the order of stages."""
     rows = {}
-    for stage, path in zip(STAGES, paths, strict=True):
+    for stage, path in zip(stages, paths, strict=True):
         for entry in read_status(path):
             row = rows.setdefault(entry["model"], {"model": entry["model"], "path": entry["path"], "status": "ok"})
             if row["status"] == "ok":  # the first stage that is not tells why
-                row |= {"status": entry["status"], "reason": entry["reason"]}
+                refused_aside = stage in SIDE_STAGES and entry["status"] == "rejected"  # its graphs are there
+                row |= {"status": "ok" if refused_aside else entry["status"], "reason": entry["reason"]}
             row[f"seconds_{stage}"] = entry["seconds"]
             row[f"peak_memory_mb_{stage}"] = entry["peak_memory_mb"]
     for row in rows.values():
@@ -109,10 +112,10 @@ def _plain_name(name):
     return re.sub(r"\W+", "_", name)
 
 
-def _make_table(rows):
+def _make_table(rows, last):
     """Return the rows as a table, with a column for every figure that one of them has."""
-    names = sorted({*FIRST, *LAST}.union(*rows))
-    return pa.table({name: _column([row.get(name) for row in rows], name in LAST) for name in names})
+    names = sorted({*FIRST, *last}.union(*rows))
+    return pa.table({name: _column([row.get(name) for row in rows], name in last) for name in names})
 
 
 def _column(values, real=False):
@@ -125,13 +128,13 @@ def _column(values, real=False):
     return pa.array([None if value is None else str(value) for value in values], pa.string())
 
 
-def _concatenate(parts):
+def _concatenate(parts, last):
     """Return the tables as one: first who and how, then the figures by name, then seconds and memory."""
     types = {}
     for field in (field for part in parts for field in part.schema):
         types.setdefault(field.name, set()).add(field.type)
-    figures = sorted(types.keys() - {*FIRST, *LAST})
-    schema = pa.schema({name: _common_type(types[name]) for name in (*FIRST, *figures, *LAST)})
+    figures = sorted(types.keys() - {*FIRST, *last})
+    schema = pa.schema({name: _common_type(types[name]) for name in (*FIRST, *figures, *last)})
     parts = [part.cast(pa.schema([schema.field(name) for name in part.column_names])) for part in parts]
     return pa.concat_tables(parts, promote_options="default").select(schema.names)
 

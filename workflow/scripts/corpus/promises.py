@@ -12,7 +12,7 @@ from array import array
 import pyarrow as pa
 import pyarrow.parquet as pq
 
-from .layout import MODELS_FOLDER, MODELS_TABLE, STAGES, STATUS_FOLDER, STATUS_SCHEMA
+from .layout import MODELS_FOLDER, MODELS_TABLE, STATUS_FOLDER, STATUS_SCHEMA, line_behind, line_to
 from .receipts import receipt_name, valid_receipt
 from .whole_files import sync
 
@@ -36,7 +36,7 @@ def vouch(stage, rows, outputs):
 
 
 def find_broken_promises(batches, outputs, verify=False):
-    """Return the tables that promise what is not there: of every batch the first, and that of all models.
+    """Return the tables that promise what is not there: of every batch the first ones, and that of all models.
 
     A status table is broken when it cannot be read, or a file of one of its
     models is gone or was altered. It is so, too, when one of its models failed,
@@ -48,24 +48,24 @@ def find_broken_promises(batches, outputs, verify=False):
     batches : dict of str to list of str
         Models by batch.
     outputs : dict of str to tuple of str
-        Names of the outputs per model, by stage.
+        Names of the outputs per model, by stage; these stages are looked at.
     verify : bool
         Take all for broken, so that every file is digested: a stage takes over nothing by its size and time.
 
     Returns
     -------
     list of str
-        Paths of status tables, at most one per batch, and of the table of models.
+        Paths of status tables, none of which stands behind another, and of the table of models.
     """
     collected = MODELS_TABLE.exists()
     broken = []
     for batch, members in batches.items():
-        paths = [STATUS_FOLDER / stage / f"{batch}.parquet" for stage in STAGES]
-        tables = [_read_promises(path, members) for path in paths]
-        stages = (_first_broken_stage(model, tables, outputs) for model in members)
-        first = 0 if verify else min(stages, default=len(STAGES))
-        if first < len(STAGES) and (collected or any(path.exists() for path in paths[first:])):
-            broken.append(str(paths[first]))
+        paths = {stage: STATUS_FOLDER / stage / f"{batch}.parquet" for stage in outputs}
+        tables = {stage: _read_promises(path, members) for stage, path in paths.items()}
+        stages = set(outputs if verify else ()).union(*(_broken_stages(model, tables, outputs) for model in members))
+        for first in (stage for stage in outputs if stages.intersection(line_to(stage)) == {stage}):
+            if collected or any(paths[stage].exists() for stage in line_behind(first) if stage in paths):
+                broken.append(str(paths[first]))
     if collected and not valid_receipt(MODELS_TABLE.parent, MODELS_TABLE.stem, "", [MODELS_TABLE.name]):
         broken.append(str(MODELS_TABLE))
     return broken
@@ -82,15 +82,14 @@ def _read_promises(path, members):
     return {row["model"]: row for row in table.select(["model", "key", "status", "stamp"]).to_pylist()}
 
 
-def _first_broken_stage(model, tables, outputs):
-    """Return the number of the first stage that lacks its table or, of this model, is not as it says."""
+def _broken_stages(model, tables, outputs):
+    """Yield the stages that lack their table or, of this model, are not as it says."""
     files = _stat_files(model)
-    for number, (stage, rows) in enumerate(zip(STAGES, tables, strict=True)):
-        if rows is None or rows[model]["status"] == "failed":
-            return number
-        if rows[model]["stamp"] != _stamp(rows[model], files, receipt_name(stage), *outputs[stage]):
-            return number
-    return len(STAGES)
+    for stage, rows in tables.items():
+        row = rows and rows[model]
+        names = receipt_name(stage), *outputs[stage]
+        if row is None or row["status"] == "failed" or row["stamp"] != _stamp(row, files, *names):
+            yield stage
 
 
 def _stamp(row, files, *names):

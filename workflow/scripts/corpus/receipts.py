@@ -13,7 +13,7 @@ import os
 import shutil
 from contextlib import contextmanager
 
-from .layout import MODELS_FOLDER, STAGES
+from .layout import BEFORE, MODELS_FOLDER, line_behind, line_to
 from .storage import AlteredFileError, read_json, write_json
 from .whole_files import digest_file
 
@@ -148,27 +148,30 @@ def unchanged_inputs(stage, row, digest=None):
         one was replaced in the meantime; whatever the stage made of it, a
         rejection too, then says nothing.
     """
-    if stage == STAGES[0]:
+    last = BEFORE[stage]
+    if last is None:
         try:
             yield {}
         finally:
             _check_mesh(row, digest)
     else:
         folder = MODELS_FOLDER / row["model"]
-        keys = trace_inputs(folder, row["key"], digested=stage == "certify")
+        keys = trace_inputs(folder, last, row["key"], digested=stage == "certify")
         try:
             yield keys
         finally:
-            trace_inputs(folder, row["key"])
+            trace_inputs(folder, last, row["key"])
 
 
-def trace_inputs(folder, key, digested=False):
-    """Follow the chain of receipts from the mesh to the one with this content key.
+def trace_inputs(folder, last, key, digested=False):
+    """Follow the chain of receipts from the mesh to that of a stage, which is to have this content key.
 
     Parameters
     ----------
     folder : Path
         The model's folder.
+    last : str
+        The stage.
     key : str
     digested : bool
         Digest every file, and not only those of another size or time than their receipt says.
@@ -185,7 +188,7 @@ def trace_inputs(folder, key, digested=False):
         before it vouches for, or a file is not as its receipt says.
     """
     keys, before = {}, None
-    for stage in STAGES:
+    for stage in line_to(last):
         receipt = read_receipt(folder, stage)
         path = folder / receipt_name(stage)
         if receipt is None:
@@ -198,9 +201,10 @@ def trace_inputs(folder, key, digested=False):
                 raise AlteredFileError(path, f"{path}: is not the file that {stage} wrote; {AGAIN}")
             keys[name] = receipt["key"]
         before = receipt["key"]
-        if before == key:
-            return keys
-    raise AlteredFileError(folder, f"{folder}: no receipt is that of the status table; start the run again")
+    if before != key:
+        path = folder / receipt_name(last)
+        raise AlteredFileError(path, f"{path}: is not the receipt of the status table; start the run again")
+    return keys
 
 
 def _check_mesh(row, digest):
@@ -217,10 +221,10 @@ def _check_mesh(row, digest):
 def disown(model, path):
     """Forget the stage that wrote the file `path` of a model, and those behind it, which may have read it."""
     folder = MODELS_FOLDER / model
-    for number, stage in enumerate(STAGES):
+    for stage in BEFORE:
         written = (read_receipt(folder, stage) or {}).get("outputs", ())
         if os.path.basename(path) in (receipt_name(stage), *written):
-            for later in STAGES[number:]:
+            for later in line_behind(stage):
                 forget_stage([model], later)
             return
 
@@ -256,7 +260,7 @@ def move_in(stage, scratch, folder, outputs, receipt):
     """
     present, old = set(os.listdir(folder)), read_receipt(folder, stage)
     if old is None or old["key"] != receipt["key"] or receipt["status"] != "ok" or _is_altered(folder, old):
-        for later in STAGES[STAGES.index(stage) + 1 :] if stage in STAGES else ():
+        for later in line_behind(stage)[1:]:
             if receipt_name(later) in present:
                 withdraw(folder, later)
     if not present.isdisjoint({receipt_name(stage), *outputs}):

@@ -24,7 +24,7 @@ from typing import NamedTuple
 
 import pyarrow as pa
 
-from .layout import MODELS_FOLDER, STAGES, STATUS_SCHEMA, read_status
+from .layout import BEFORE, MODELS_FOLDER, STATUS_SCHEMA, read_status
 from .process import Failed, describe_fault, log_line, peak_memory_mb, print_into, reset_peak_memory, trim_startup
 from .promises import vouch
 from .receipts import disown, make_key, move_in, unchanged_inputs, valid_receipt, withdraw, write_receipt
@@ -167,7 +167,7 @@ def _compute(task, row, folder, key):
     computing, writing and moving in, all but the receipt itself, which tells them.
     """
     start = time.perf_counter()
-    source = Path(row["path"]) if task.stage == STAGES[0] else folder
+    source = Path(row["path"]) if BEFORE[task.stage] is None else folder
     scratch = _make_scratch(folder, task.stage)
     reset_peak_memory()
     status, reason = "ok", ""

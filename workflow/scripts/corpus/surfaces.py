@@ -28,13 +28,12 @@ def read_rotation(folder):
     return np.array(read_json(folder / "tilt.json")["rotation"])
 
 
-def vertex_bodies(folder, mesh):
-    """Shell and body of every rank of `mesh`, two (n,) int32 arrays."""
+def read_shells(folder, count):
+    """Shell and body of each of the `count` vertices of the model in `folder`, two (count,) int32 arrays."""
     body_of_shell = read_table(folder / "shells.parquet", "shells")["body"].to_numpy()
-    if len(body_of_shell) == 1:
-        return np.zeros_like(mesh.vertex), np.full_like(mesh.vertex, body_of_shell[0])
-    faces = read_table(folder / "faces.parquet", "faces")
-    shell = np.empty(mesh.vertex.max() + 1, np.int32)
-    for corner in "abc":
-        shell[faces[corner].to_numpy()] = faces["shell"].to_numpy()
-    return shell[mesh.vertex], body_of_shell[shell[mesh.vertex]]
+    shell = np.zeros(count, np.int32)
+    if len(body_of_shell) > 1:
+        faces = read_table(folder / "faces.parquet", "faces")
+        for corner in "abc":
+            shell[faces[corner].to_numpy()] = faces["shell"].to_numpy()
+    return shell, body_of_shell[shell]

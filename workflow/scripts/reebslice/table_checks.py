@@ -6,7 +6,10 @@ import pyarrow as pa
 from .schemas import SCHEMAS
 
 # Columns that count the rows of their table from 0.
-ROW_IDS = {name: name[:-1] for name in ("shells", "levels", "contours", "pieces", "handles", "nodes", "edges")} | {
+ROW_IDS = {
+    name: name[:-1]
+    for name in ("shells", "levels", "contours", "pieces", "handles", "nodes", "edges", "loops")
+} | {
     "critical_points": "critical", "critical_arcs": "arc", "unfoldings": "unfolding",
 }  # fmt: skip
 # Foreign keys: of every table the columns that hold numbers of rows, or lists of
@@ -35,6 +38,10 @@ REFERENCES = {
     "critical_arcs": (("source", "critical_points"), ("target", "critical_points")),
     "nodes": (("level", "levels"), ("region", "nodes")),
     "edges": (("source", "nodes"), ("target", "nodes"), ("slab", "levels")),
+    "loops": (
+        ("bottom", "vertices"), ("top", "vertices"), ("path", "vertices"),
+        ("bottom_handle", "handles"), ("top_handle", "handles"),
+    ),
 }  # fmt: skip
 
 

@@ -1,0 +1,85 @@
+"""What the stages aside of the way to the certificate write."""
+
+import base64
+import json
+from xml.etree import ElementTree
+
+import numpy as np
+import pytest
+
+import find_loops as loops_stage
+import pipeline
+import solids
+from corpus.storage import read_table
+from reebslice import find_loops
+from reebslice.graphs.loop_kinds import KINDS
+from reebslice.handles.at_vertices import find_handles
+from reebslice.schemas import SCHEMAS
+from reebslice.table_checks import build_table
+
+
+@pytest.fixture(scope="module")
+def plate(tmp_path_factory):
+    """The folder of a plate with two holes, with what the stages before left."""
+    folder = tmp_path_factory.mktemp("aside")
+    pipeline.run_stages(solids.plate(2, upright=True), folder, tilt={"mode": "auto"})
+    return folder
+
+
+def read_vtp(path):
+    """Points, lines as arrays of points, and data of lines of a file of poly data, read by hand."""
+    (piece,) = ElementTree.parse(path).getroot().iter("Piece")
+    kinds = {"Float64": "<f8", "Int32": "<i4", "Int64": "<i8"}
+
+    def numbers(element):
+        raw = base64.b64decode(element.text)
+        assert int.from_bytes(raw[:8], "little") == len(raw) - 8
+        return np.frombuffer(raw[8:], kinds[element.get("type")])
+
+    points = numbers(piece.find("Points/DataArray")).reshape(-1, 3)
+    parts = {part.get("Name"): numbers(part) for part in piece.find("Lines")}
+    lines = [points[line] for line in np.split(parts["connectivity"], parts["offsets"][:-1])]
+    assert len(points) == int(piece.get("NumberOfPoints")) and len(lines) == int(piece.get("NumberOfLines"))
+    return lines, {part.get("Name"): numbers(part) for part in piece.find("CellData")}
+
+
+def test_loops_are_those_of_the_library_with_their_events(plate, tmp_path):
+    loops_stage.main(plate, tmp_path, {"distance": 0.01})
+    table = read_table(tmp_path / "loops.parquet", "loops").to_pylist()
+    surface = {name: read_table(plate / f"{name}.parquet", name) for name in ("vertices", "faces", "handles")}
+    points = np.column_stack([surface["vertices"][axis] for axis in "xyz"])
+    rotation = np.array(json.loads((plate / "tilt.json").read_text())["rotation"])
+    height = np.ptp(points @ rotation[2])
+    faces = np.column_stack([surface["faces"][corner] for corner in "abc"])
+    loops = find_loops(points, faces, rotation, 0.01 * height)
+    assert len(table) == len(loops.kind) == 2
+    assert [row["kind"] for row in table] == loops.kind.tolist()
+    assert [row["path"] for row in table] == [part.tolist() for part in np.split(loops.paths.member, loops.paths.start[1:-1])]
+    assert all(np.array_equal(np.reshape(row["circle"], (-1, 3)), circle) for row, circle in zip(table, loops.circles))
+    handles = surface["handles"].to_pylist()
+    for row in table:
+        assert handles[row["bottom_handle"]]["vertex"] == row["bottom"]
+        assert handles[row["bottom_handle"]]["operation"] == "separation"
+        assert handles[row["top_handle"]]["vertex"] == row["top"] and handles[row["top_handle"]]["operation"] == "union"
+    counts = json.loads((tmp_path / "loops.json").read_text())["loops"]
+    assert sum(counts.values()) == 2 and all(counts[kind] == list(loops.kind).count(kind) for kind in KINDS)
+    lines, data = read_vtp(tmp_path / "loops.vtp")
+    assert data["loop"].tolist() == [0, 1, 0, 1] and data["path"].tolist() == [0, 0, 1, 1]
+    for line, loop, path in zip(lines, data["loop"], data["path"]):
+        curve = points[table[loop]["path"]] if path else np.reshape(table[loop]["circle"], (-1, 3))
+        assert np.array_equal(line, np.append(curve, curve[:1], axis=0))
+
+
+def test_a_handle_is_the_first_of_its_vertex_operation_and_side():
+    rows = [(0, 7, "creation", "A"), (1, 5, "union", "B"), (2, 5, "union", "A"), (3, 5, "separation", "A")]
+    blank = {"index": 1, "height": 0.0, "x": 0.0, "y": 0.0, "z": 0.0, "persistence": 0.0, "change": None, "pair": None}
+    columns = {field.name: [] for field in SCHEMAS["handles"]}
+    for handle, vertex, operation, side in rows:
+        row = blank | {"handle": handle, "vertex": vertex, "operation": operation, "side": side}
+        for field in SCHEMAS["handles"]:
+            empty = [] if "list" in str(field.type) else False if str(field.type) == "bool" else 0
+            columns[field.name].append(row.get(field.name, empty))
+    handles = build_table("handles", columns)
+    assert find_handles(handles, [5, 7, 9], "union") == [1, None, None]
+    assert find_handles(handles, [5, 5], "union", "A") == [2, 2]
+    assert find_handles(handles, [7, 5], "creation", "A") == [0, None]

@@ -1,0 +1,58 @@
+"""Tables of what is asked of finished graphs, model by model, and of the whole corpus: see :mod:`.schemas`."""
+
+from .declarations import FLAG, INT, INTS, REAL, REALS, TEXT, table
+
+SIDE_TABLES = {
+    "loops": table(
+        "loop",
+        "A loop of the Reeb graph of the surface, with its place.",
+        ("loop", INT, "Id of the loop, by the height of its bottom; as many as the genera of all shells together."),
+        ("bottom", INT, "Vertex of the saddle above which there are two ways around."),
+        ("top", INT, "Vertex of the saddle at which they meet."),
+        (
+            "bottom_handle",
+            INT,
+            "The first handle of that kind at the bottom; null where none is resolved.",
+            ("null", True),
+        ),
+        ("top_handle", INT, "The first handle of that kind at the top; null likewise.", ("null", True)),
+        ("bottom_height", REAL, "Height of the bottom.", ("unit", "mesh")),
+        ("top_height", REAL, "Height of the top.", ("unit", "mesh")),
+        (
+            "kind",
+            TEXT,
+            "`handle`: the circle around bounds in the material only; `tunnel`: in the void only; `mixed`: in neither.",
+        ),
+        ("inner", FLAG, "Whether the circle around is the rim of a hole, material outside it."),
+        ("flat", FLAG, "Whether the flat disc in it meets no more of the body's surface."),
+        ("height", REAL, "Height of the circle around.", ("unit", "mesh")),
+        ("perimeter", REAL, "Its length.", ("unit", "mesh")),
+        ("section", REAL, "Area of what is immediately inside it.", ("unit", "mesh^2")),
+        ("inscribed_radius", REAL, "Radius of the largest circle in that area.", ("unit", "mesh")),
+        ("x", REAL, "Centre of that circle, model frame.", ("unit", "mesh")),
+        ("y", REAL, "Its second coordinate.", ("unit", "mesh")),
+        ("z", REAL, "Its third coordinate.", ("unit", "mesh")),
+        ("length", REAL, "Length of the closed path along the loop.", ("unit", "mesh")),
+        ("circle", REALS, "Points of the circle around, x, y, z of each, model frame; the first is not repeated."),
+        ("path", INTS, "Vertices of the closed path, each joined to the next by a mesh edge."),
+    ),
+    "comparison": table(
+        "model, tilt, n_levels, method, kind",
+        "Links guessed from shapes, held against those of the mesh.",
+        ("model", TEXT, "Model."),
+        ("half", TEXT, "Rules are tuned on the models of one half and reported on the other."),
+        ("tilt", TEXT, "`none`, `auto` or `random`."),
+        ("n_levels", INT, "Uniform levels."),
+        ("method", TEXT, "Rule that guesses links."),
+        ("kind", TEXT, "Kind of event in the block; `all` counts every block once."),
+        ("links", INT, "Links of the mesh."),
+        ("links_missed", INT, "Those that the rule misses."),
+        ("links_false", INT, "Links of the rule that the mesh does not have."),
+        ("blocks", INT, "Blocks in which the kind occurs."),
+        ("blocks_right", INT, "Those without a fault."),
+        ("slabs", INT, "Slabs in which the kind occurs."),
+        ("slabs_right", INT, "Those without a fault."),
+        ("loops", INT, "Loops of the solid graph by the mesh; of kind `all` only.", ("null", True)),
+        ("loops_found", INT, "Loops by the rule; of kind `all` only.", ("null", True)),
+    ),
+}
