@@ -124,6 +124,43 @@ def test_a_body_that_floats_never_joins():
     assert islands.section.tolist() == [0.0]
 
 
+def shells_touched(pockets):
+    return [pockets.shells.member[a:b].tolist() for a, b in zip(pockets.shells.start[:-1], pockets.shells.start[1:])]
+
+
+def test_the_throat_of_a_flask_is_its_neck():
+    filled = np.ones((7, 7, 6), bool)
+    filled[1:6, 1:6, 1:3] = filled[3, 3, 3:5] = filled[2:5, 2:5, 5] = False
+    flask = solids.voxels(filled)
+    base = flask.points[:, 2].min()
+    for pockets in (find_pockets(flask.points, flask.faces), find_pockets(flask.points, flask.faces, distance=0.3)):
+        assert pockets.kind.tolist() == ["basin"]
+        assert pockets.largest == pytest.approx([25]) and pockets.section == pytest.approx([9])
+        assert pockets.throat_section == pytest.approx([1]) and pockets.throat_radius == pytest.approx([0.5], rel=1e-2)
+        assert base + 3 < pockets.throat_height[0] < base + 5
+    upside_down = find_pockets(flask.points, flask.faces, np.diag([1.0, -1.0, -1.0]))
+    assert upside_down.kind.tolist() == ["bell"] and upside_down.throat_section == pytest.approx([1])
+    assert -base - 5 < upside_down.throat_height[0] < -base - 3
+
+
+def test_what_is_sealed_has_no_throat_and_touches_the_shells_around_and_in_it():
+    solid = solids.ball_in_hollow_ball()
+    shell = solids.connected_vertices(solid)
+    lowest = [int(np.flatnonzero(shell == one)[0]) for one in np.unique(shell)]
+    pockets = find_pockets(solid.points, solid.faces)
+    assert pockets.kind.tolist() == ["sealed"] and np.isnan(pockets.throat_section).all()
+    outer = shell[np.argmax(np.linalg.norm(solid.points, axis=1))]
+    assert shells_touched(pockets) == [[first for first in lowest if shell[first] != outer]]
+    many = [
+        solids.move(solids.scale(solids.cube(), 0.1), (x, y, z)) for x in range(5) for y in range(5) for z in range(5)
+    ]
+    room = solids.carve(solids.move(solids.scale(solids.cube(), 8.0), (-2.0, -2.0, -2.0)))
+    hall = solids.unite(solids.move(solids.scale(solids.cube(), 10.0), (-3.0, -3.0, -3.0)), room, *many)
+    (touched,) = shells_touched(find_pockets(hall.points, hall.faces))
+    shell = solids.connected_vertices(hall)
+    assert len(touched) == 126 == len({int(shell[first]) for first in touched}) and shell[0] not in shell[touched]
+
+
 def test_shallow_pockets_are_left_out():
     solid = solids.cup()
     assert len(find_pockets(solid.points, solid.faces, least_depth=1.0).kind) == 1
@@ -132,6 +169,10 @@ def test_shallow_pockets_are_left_out():
         for find in (find_pockets, find_islands):
             with pytest.raises(ReebsliceError, match=f"least_depth is {wrong!r}"):
                 find(solid.points, solid.faces, least_depth=wrong)
+    for wrong in (0, -1, np.nan, "1"):
+        for find in (find_pockets, find_islands):
+            with pytest.raises(ReebsliceError, match=f"distance is {wrong!r}"):
+                find(solid.points, solid.faces, distance=wrong)
 
 
 def test_points_in_no_face_are_passed_over():
@@ -229,24 +270,27 @@ def test_bodies_are_closed_and_have_the_volumes_of_the_table(solid, seed):
 def flood(cells, ground):
     """Flood cells (x, y, z) layer by layer; whatever meets an elder flood ends there, and that of `ground` is eldest.
 
-    Returns the layers (begin, end) of all floods that ended, counted, and how many cells those had that ended in
-    the eldest one.
+    Returns the layers (begin, end) of all floods that ended, counted; how many cells those had that ended in the
+    eldest one; and of those that no other of their age met (begin, end, largest layer, least layer from there on).
     """
-    ended, held, floods = Counter(), 0, []
+    ended, shapes, held, floods = Counter(), Counter(), 0, []
     for z in range(cells.shape[2]):
         labels, count = ndimage.label(cells & (np.arange(cells.shape[2]) <= z))
         merged = []
         for label in range(1, count + 1):
             inside = labels == label
             met = sorted((old for old in floods if (old[1] & inside).any()), key=lambda old: old[0])
-            births = [birth for birth, _ in met] + [z]
-            merged.append((-1 if inside[ground] else births[0], inside))
-            for birth, part in met:
+            births = [birth for birth, *_ in met] + [z]
+            area = int(inside[:, :, z].sum())
+            merged.append((-1 if inside[ground] else births[0], inside, [*(met[0][2] if met else ()), area]))
+            for birth, part, areas in met:
                 if birth >= 0 and (inside[ground] or birth > births[0] or part is not met[0][1]):
                     ended[birth, z] += 1
                     held += int(part.sum()) if inside[ground] else 0
+                    if births.count(birth) == 1:
+                        shapes[birth, z, max(areas), min(areas[areas.index(max(areas)) :])] += 1
         floods = merged
-    return ended, held
+    return ended, held, shapes
 
 
 @st.composite
@@ -264,13 +308,18 @@ def compare_with_floods(grid, diagonals):
     solid, top = solids.voxels(grid, diagonals), grid.shape[2]
     base = solid.points[:, 2].min() - 2  # the height of the lowest cells
     open_air = ndimage.label(~grid)[0] == 1
-    pockets, counts = find_pockets(solid.points, solid.faces), 0
+    pockets, counts = find_pockets(solid.points, solid.faces, distance=0.5), 0
     for kind, cells, low, up in (("basin", open_air, 0, 1), ("bell", open_air[:, :, ::-1], top, -1)):
-        ended, held = flood(cells, (0, 0, 0))
+        ended, held, shapes = flood(cells, (0, 0, 0))
         assert rows(pockets, kind) == Counter(
             {(base + low + up * b, base + low + up * e): n for (b, e), n in ended.items()}
         )
         assert drained(pockets, kind) == pytest.approx(held, rel=1e-9)
+        chosen = pockets.kind == kind
+        sections = np.column_stack([pockets.largest, pockets.throat_section])[chosen].round(6).tolist()
+        heights = np.column_stack([pockets.begin_height, pockets.end_height])[chosen].tolist()
+        found = Counter((*ends, *section) for ends, section in zip(heights, sections))
+        assert Counter({(base + low + up * b, base + low + up * e, *s): n for (b, e, *s), n in shapes.items()}) <= found
         counts += ended.total()
     assert (pockets.kind == "sealed").sum() == ndimage.label(~grid)[1] - 1
     assert pockets.volume[pockets.kind == "sealed"].sum() == pytest.approx((~grid & ~open_air).sum(), rel=1e-9)

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 import find_loops as loops_stage
+import find_pockets as pockets_stage
 import pipeline
 import solids
 from corpus.storage import read_table
@@ -54,7 +55,9 @@ def test_loops_are_those_of_the_library_with_their_events(plate, tmp_path):
     loops = find_loops(points, faces, rotation, 0.01 * height)
     assert len(table) == len(loops.kind) == 2
     assert [row["kind"] for row in table] == loops.kind.tolist()
-    assert [row["path"] for row in table] == [part.tolist() for part in np.split(loops.paths.member, loops.paths.start[1:-1])]
+    assert [row["path"] for row in table] == [
+        part.tolist() for part in np.split(loops.paths.member, loops.paths.start[1:-1])
+    ]
     assert all(np.array_equal(np.reshape(row["circle"], (-1, 3)), circle) for row, circle in zip(table, loops.circles))
     handles = surface["handles"].to_pylist()
     for row in table:
@@ -68,6 +71,50 @@ def test_loops_are_those_of_the_library_with_their_events(plate, tmp_path):
     for line, loop, path in zip(lines, data["loop"], data["path"]):
         curve = points[table[loop]["path"]] if path else np.reshape(table[loop]["circle"], (-1, 3))
         assert np.array_equal(line, np.append(curve, curve[:1], axis=0))
+
+
+def events(folder):
+    return {row["handle"]: row for row in read_table(folder / "handles.parquet", "handles").to_pylist()}
+
+
+def test_pockets_and_islands_begin_and_end_at_their_events(tmp_path):
+    """A cup that holds a void in its wall, a leg that hangs from it, and a body that floats."""
+    filled = np.zeros((7, 5, 6), bool)
+    filled[:5, :, 1:] = True
+    filled[1, 1, 3:6] = filled[3, 3, 2] = False
+    filled[5:, 2, 5] = filled[6, 2, 3:5] = True
+    filled[2, 2, 0] = True
+    solid = solids.unite(solids.voxels(filled), solids.move(solids.cube(), (20.0, 0.0, 4.0)))
+    pipeline.run_stages(solid, tmp_path, tilt={"mode": "none"})
+    pockets_stage.main(tmp_path, tmp_path, {"least_depth": 0.0, "distance": 0.01})
+    pockets, islands = (read_table(tmp_path / f"{name}.parquet", name).to_pylist() for name in ("pockets", "islands"))
+    handles = events(tmp_path)
+    expected = {"sealed": ("->i", "i->"), "basin": ("->i", None), "island": ("->o", None), "bell": ("i->", None)}
+    for row in pockets + islands:
+        first, last = (handles[row[f"{side}_handle"]] for side in ("begin", "end"))
+        change, closing = expected[row.get("kind", "island")]
+        assert (first["vertex"], first["height"]) == (row["begin"], row["begin_height"])
+        assert (last["vertex"], last["height"]) == (row["end"], row["end_height"])
+        assert first["change"] == change and closing in (None, last["change"])
+        assert row["depth"] == abs(row["end_height"] - row["begin_height"])
+    by_kind = {row["kind"]: row for row in pockets}
+    assert sorted(by_kind) == ["basin", "sealed"] and len(pockets) == 2
+    assert by_kind["basin"]["volume"] == pytest.approx(3) and by_kind["sealed"]["volume"] == pytest.approx(1)
+    assert by_kind["sealed"]["throat_section"] is None and by_kind["basin"]["throat_section"] == pytest.approx(1)
+    shells = read_table(tmp_path / "shells.parquet", "shells").to_pylist()
+    assert by_kind["sealed"]["shells"] == [row["shell"] for row in shells if row["void"]]
+    operations = {handles[row["end_handle"]]["operation"] for row in islands}
+    assert len(islands) == 2 and operations == {"union", "annihilation"}
+    sums = json.loads((tmp_path / "pockets.json").read_text())
+    assert {name: part["count"] for name, part in sums.items()} == {"basins": 1, "bells": 0, "sealed": 1, "islands": 2}
+    assert sums["islands"]["volume"] == pytest.approx(sum(row["volume"] for row in islands))
+
+
+def test_pockets_less_deep_than_asked_are_left_out(tmp_path):
+    pipeline.run_stages(solids.cup(), tmp_path, tilt={"mode": "none"})
+    for depth, count in ((0.5, 1), (0.51, 0)):
+        pockets_stage.main(tmp_path, tmp_path, {"least_depth": depth, "distance": 0.1})
+        assert len(read_table(tmp_path / "pockets.parquet", "pockets")) == count
 
 
 def test_a_handle_is_the_first_of_its_vertex_operation_and_side():

@@ -164,6 +164,28 @@ rule certify:
         "../scripts/certify.py"
 
 
+# Finds where liquid stays, where air is caught, and what begins in the air, in the direction of height.
+# Writes pockets and islands; aside of the stages above, which do not wait for it.
+rule find_pockets:
+    input:
+        status="results/status/classify_handles/{batch}.parquet",
+    output:
+        status="results/status/find_pockets/{batch}.parquet",
+    log:
+        "results/logs/find_pockets/{batch}.log",
+    benchmark:
+        "results/benchmarks/find_pockets/{batch}.tsv"
+    priority: priority_at("find_pockets")
+    resources:
+        mem_mb=memory_of,
+        runtime=runtime_of,
+    params:
+        options={key: config["pockets"][key] for key in ("least_depth", "distance")},
+        code=CODE["find_pockets"],
+    script:
+        "../scripts/find_pockets.py"
+
+
 # Finds the place of every loop of the surface: a circle around it and a closed path along it.
 # Writes loops; aside of the stages above, which do not wait for it.
 rule find_loops:

@@ -16,13 +16,14 @@ BEFORE = {
     "synthesize_edges": "sample_nodes",
     "certify": "synthesize_edges",
     "draw": "certify",
+    "find_pockets": "classify_handles",
     "find_loops": "classify_handles",
     "compare_links": "inspect_mesh",
 }
 # Those of the default target; the others are asked for by name.
 STAGES = tuple(stage for stage in BEFORE if stage != "compare_links")
 # Of these, those that a group of the configuration switches off by `find: false`.
-SIDE_STAGES = {"find_loops": "loops"}
+SIDE_STAGES = {"find_pockets": "pockets", "find_loops": "loops"}
 
 
 def line_to(stage):

@@ -2,7 +2,57 @@
 
 from .declarations import FLAG, INT, INTS, REAL, REALS, TEXT, table
 
+_BEGIN_AND_END = (
+    ("begin", INT, "Vertex where it begins."),
+    ("end", INT, "Vertex where it ends: spills, is vented, joins or, sealed, closes."),
+    ("begin_handle", INT, "The first handle of that kind there; null where none is resolved.", ("null", True)),
+    ("end_handle", INT, "The first handle of that kind there; null likewise.", ("null", True)),
+    ("begin_height", REAL, "Height of its beginning.", ("unit", "mesh")),
+    ("end_height", REAL, "Height of its end.", ("unit", "mesh")),
+    ("depth", REAL, "Height between the two.", ("unit", "mesh")),
+    ("volume", REAL, "Volume, with that of the smaller ones that open into it.", ("unit", "mesh^3")),
+    ("section", REAL, "Area in the plane where it ends; 0 of what ends in a point.", ("unit", "mesh^2")),
+    ("largest", REAL, "Its largest section at a level.", ("unit", "mesh^2")),
+)
+_SHELLS = ("shells", INTS, "Shells that it touches.")
+
 SIDE_TABLES = {
+    "pockets": table(
+        "pocket",
+        "A component of the void that height alone cuts off.",
+        ("pocket", INT, "Id of the pocket: sealed ones, basins, bells."),
+        (
+            "kind",
+            TEXT,
+            "`basin`: holds liquid up to where it spills; `bell`: catches air down to where it is vented; `sealed`: a "
+            "void that the outside never reaches.",
+        ),
+        *_BEGIN_AND_END,
+        (
+            "throat_height",
+            REAL,
+            "Height of the narrowest section from the largest one to the end; null if sealed.",
+            ("unit", "mesh"),
+            ("null", True),
+        ),
+        ("throat_section", REAL, "Area of that section.", ("unit", "mesh^2"), ("null", True)),
+        ("throat_radius", REAL, "Radius of the largest circle in it.", ("unit", "mesh"), ("null", True)),
+        ("into", INT, "Pocket of its kind into which it opens; null if that is the outside.", ("null", True)),
+        _SHELLS,
+    ),
+    "islands": table(
+        "island",
+        "Material that begins in the air when the solid is built upward.",
+        ("island", INT, "Id of the island."),
+        *_BEGIN_AND_END,
+        (
+            "into",
+            INT,
+            "Island with which it joins; null if that is what began on the plate, or if it never joins.",
+            ("null", True),
+        ),
+        _SHELLS,
+    ),
     "loops": table(
         "loop",
         "A loop of the Reeb graph of the surface, with its place.",

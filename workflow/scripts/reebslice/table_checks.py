@@ -8,7 +8,7 @@ from .schemas import SCHEMAS
 # Columns that count the rows of their table from 0.
 ROW_IDS = {
     name: name[:-1]
-    for name in ("shells", "levels", "contours", "pieces", "handles", "nodes", "edges", "loops")
+    for name in ("shells", "levels", "contours", "pieces", "handles", "nodes", "edges", "loops", "pockets", "islands")
 } | {
     "critical_points": "critical", "critical_arcs": "arc", "unfoldings": "unfolding",
 }  # fmt: skip
@@ -17,6 +17,10 @@ ROW_IDS = {
 # more than there are contours; blocks, no more than pieces. A slab may also be -1.
 # The `handle` of an edge and the ends of an arc are not among them: where links are
 # guessed, they are joints of other numbers.
+_ENDS = (
+    ("begin", "vertices"), ("end", "vertices"), ("begin_handle", "handles"), ("end_handle", "handles"),
+    ("shells", "shells"),
+)  # fmt: skip
 REFERENCES = {
     "faces": (("a", "vertices"), ("b", "vertices"), ("c", "vertices"), ("shell", "shells")),
     "shells": (("body", "shells"), ("parent", "shells")),
@@ -38,6 +42,8 @@ REFERENCES = {
     "critical_arcs": (("source", "critical_points"), ("target", "critical_points")),
     "nodes": (("level", "levels"), ("region", "nodes")),
     "edges": (("source", "nodes"), ("target", "nodes"), ("slab", "levels")),
+    "pockets": (*_ENDS, ("into", "pockets")),
+    "islands": (*_ENDS, ("into", "islands")),
     "loops": (
         ("bottom", "vertices"), ("top", "vertices"), ("path", "vertices"),
         ("bottom_handle", "handles"), ("top_handle", "handles"),

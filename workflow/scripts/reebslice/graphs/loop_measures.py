@@ -62,8 +62,8 @@ def measure_insides(contours, nesting, chosen):
     ----------
     contours : Contours
         C contours.
-    nesting : Nesting
-        Theirs.
+    nesting : Nesting or Regions
+        Theirs: what is around each, and its area, with or without a sign, and length.
     chosen : (L,) int
         Contours, each once.
 
@@ -74,12 +74,12 @@ def measure_insides(contours, nesting, chosen):
     centre : (L, 2) float64
         Of that circle; a point of the contour where there is none, as inside flats.
     """
-    place = np.full(len(nesting.arc) + 1, -1)  # the last entry is that of no parent
+    place = np.full(len(nesting.parent) + 1, -1)  # the last entry is that of no parent
     place[chosen] = np.arange(len(chosen))
     children = np.flatnonzero(place[nesting.parent] >= 0)
     members = np.concatenate([chosen, children])
     hole, owner = np.arange(len(members)) >= len(chosen), np.append(place[chosen], place[nesting.parent[children]])
-    area = np.where(hole, -nesting.area[members], nesting.area[members])
+    area = np.abs(nesting.area[members]) * np.where(hole, -1, 1)
     section = np.bincount(owner, weights=area, minlength=len(chosen))
     order = np.lexsort((hole, owner))
     outlines = _outlines(contours, members[order], owner[order], hole[order], len(chosen))

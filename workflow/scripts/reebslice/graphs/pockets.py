@@ -26,7 +26,11 @@ from .voids import void_mesh
 
 
 def find_pockets(
-    points: Any, faces: ArrayLike | None = None, rotation: ArrayLike | None = None, least_depth: float = 0.0
+    points: Any,
+    faces: ArrayLike | None = None,
+    rotation: ArrayLike | None = None,
+    least_depth: float = 0.0,
+    distance: float | None = None,
 ) -> Pockets:
     """Find where liquid stays, where air is caught, and what is sealed, in the direction of height.
 
@@ -36,6 +40,9 @@ def find_pockets(
         As for :func:`.voids.void_reeb_graph`.
     least_depth : float
         Basins and bells less deep are left out, mesh units; noise makes many.
+    distance : float, optional
+        Upper bound of the spacing of the levels at which largest sections and throats are looked for, mesh units;
+        by default 1/200 of the height from the lowest end of a pocket to the highest.
 
     Returns
     -------
@@ -48,7 +55,7 @@ def find_pockets(
     Raises
     ------
     NotASolidError, ReebsliceError, TooManyCrossingsError
-        As of :func:`exact_graphs`; or `least_depth` is negative.
+        As of :func:`exact_graphs`; or `least_depth` is negative, or the distance no positive number.
 
     Examples
     --------
@@ -61,7 +68,7 @@ def find_pockets(
     >>> pockets.kind.tolist(), pockets.volume.round(6).tolist(), pockets.section.round(6).tolist()
     (['basin'], [1.5], [1.0])
     """
-    _check_depth(least_depth)
+    _check_lengths(least_depth, distance)
     mesh = void_mesh(points, faces, rotation)
     graph = surface_reeb_graph(mesh)
     body = np.zeros(len(mesh.points), np.int32)
@@ -71,9 +78,8 @@ def find_pockets(
     basins = nodes[_deep(mesh, nodes, pairs.ordinary[open_air[pairs.ordinary[:, 0]]], least_depth)]
     bells = nodes[_deep(mesh, nodes, pairs.relative[open_air[pairs.relative[:, 0]]], least_depth)][:, ::-1]
     sealed = nodes[pairs.extremes[~open_air[pairs.extremes[:, 0]]]]
-    return measure_pockets(
-        mesh, graph, body, (("sealed", sealed, True), ("basin", basins, False), ("bell", bells, False))
-    )
+    found = ("sealed", sealed, True), ("basin", basins, False), ("bell", bells, False)
+    return measure_pockets(mesh, graph, body, found, distance)
 
 
 def find_islands(
@@ -82,6 +88,7 @@ def find_islands(
     rotation: ArrayLike | None = None,
     body_of_vertex: ArrayLike | None = None,
     least_depth: float = 0.0,
+    distance: float | None = None,
 ) -> Pockets:
     """Find what begins in the air when the solid is built upward, layer on layer.
 
@@ -92,6 +99,8 @@ def find_islands(
     least_depth : float
         Islands that join within less height are left out, mesh units, and what
         begins no higher above the lowest point of all stands as well as that.
+    distance : float, optional
+        As for :func:`find_pockets`.
 
     Returns
     -------
@@ -103,7 +112,7 @@ def find_islands(
     Raises
     ------
     NotASolidError, ReebsliceError, TooManyCrossingsError
-        As of :func:`exact_graphs`; or `least_depth` is negative.
+        As of :func:`exact_graphs`; or `least_depth` is negative, or the distance no positive number.
 
     Examples
     --------
@@ -114,7 +123,7 @@ def find_islands(
     >>> islands.begin_height.tolist(), islands.end_height.tolist(), islands.volume.round(6).tolist()
     ([1.0], [3.0], [2.0])
     """
-    _check_depth(least_depth)
+    _check_lengths(least_depth, distance)
     points, faces = take_arrays(points, faces)
     mesh = height_mesh(points, faces, rotation)
     graph = surface_reeb_graph(mesh)
@@ -126,13 +135,15 @@ def find_islands(
     for chosen, whole in ((pairs.ordinary, False), (pairs.extremes, True)):
         chosen = chosen[height[chosen[:, 0]] > height[0] + least_depth]
         found.append(("island", nodes[_deep(mesh, nodes, chosen, least_depth)], whole))
-    return measure_pockets(mesh, graph, body, found)
+    return measure_pockets(mesh, graph, body, found, distance)
 
 
-def _check_depth(least_depth):
-    """Raise ReebsliceError unless this is a length of 0 or more."""
+def _check_lengths(least_depth, distance):
+    """Raise ReebsliceError unless the one is a length of 0 or more, and the other, if given, of more."""
     if not isinstance(least_depth, Real) or not least_depth >= 0:
         raise ReebsliceError(f"least_depth is {least_depth!r}: it must be a number of 0 or more, in mesh units.")
+    if distance is not None and (not isinstance(distance, Real) or not distance > 0):
+        raise ReebsliceError(f"distance is {distance!r}: it must be a positive number, in mesh units.")
 
 
 def _same_component(count, arcs, node):

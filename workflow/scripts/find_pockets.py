@@ -1,0 +1,33 @@
+"""Find where liquid stays, where air is caught and what begins in the air: `pockets`, `islands`, and their sums."""
+
+import numpy as np
+
+from corpus.stages import Rejected, run_batch
+from corpus.storage import read_table, write_json, write_table
+from corpus.surfaces import read_faces, read_points, read_rotation, read_shells
+from reebslice.errors import TooManyCrossingsError
+from reebslice.graphs.pocket_tables import pockets_table, sum_pockets
+from reebslice.graphs.pockets import find_islands, find_pockets
+
+OUTPUTS = ("pockets.parquet", "islands.parquet", "pockets.json")
+
+
+def main(source, target, options):
+    """Find pockets and islands of the model in folder `source`, write them to folder `target`."""
+    points, faces, rotation = read_points(source), read_faces(source), read_rotation(source)
+    shell, body = read_shells(source, len(points))
+    handles = read_table(source / "handles.parquet", "handles")
+    height = np.ptp(read_table(source / "critical_points.parquet", "critical_points")["height"].to_numpy())
+    depth, distance = options["least_depth"] * height, options["distance"] * height or None
+    try:
+        pockets = find_pockets(points, faces, rotation, depth, distance)
+        islands = find_islands(points, faces, rotation, body, depth, distance)
+    except TooManyCrossingsError as fault:
+        raise Rejected(f"no pockets were looked for: {fault}. Take a larger pockets.least_depth.") from None
+    write_table(target / "pockets.parquet", "pockets", pockets_table("pockets", pockets, handles, shell))
+    write_table(target / "islands.parquet", "islands", pockets_table("islands", islands, handles, shell))
+    write_json(target / "pockets.json", sum_pockets(pockets, islands))
+
+
+if "snakemake" in globals():
+    run_batch(snakemake, main, OUTPUTS)

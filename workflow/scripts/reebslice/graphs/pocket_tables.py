@@ -1,0 +1,78 @@
+"""Pockets and islands as tables, and what they come to together."""
+
+import numpy as np
+
+from ..handles.at_vertices import find_handles
+from ..schemas import SCHEMAS
+from ..table_checks import build_table
+
+# The handle operations, each with its side, between which a pocket of a kind lies, in the order of its beginning
+# and its end. Seen downward, a separation of contours is what joins two bells, and their annihilation a beginning.
+EVENTS_OF = {
+    "basin": (("creation", "B"), ("union", "B")),
+    "bell": (("annihilation", "A"), ("separation", "A")),
+    "sealed": (("creation", "B"), ("annihilation", "A")),
+    "island": (("creation", "A"), ("union", "A")),
+}
+
+
+def pockets_table(name, pockets, handles, shell_of_vertex):
+    """Make the table `pockets` or `islands`.
+
+    Parameters
+    ----------
+    name : str
+    pockets : Pockets
+    handles : pyarrow.Table
+        The table `handles` of the same surface.
+    shell_of_vertex : (n,) int32
+
+    Returns
+    -------
+    pyarrow.Table
+    """
+    columns = pockets._asdict() | {
+        name[:-1]: np.arange(len(pockets.kind)),
+        "depth": np.abs(pockets.end_height - pockets.begin_height),
+        "into": [None if row < 0 else row for row in pockets.into.tolist()],
+        "shells": [
+            sorted(shell_of_vertex[pockets.shells.member[a:b]].tolist())
+            for a, b in zip(pockets.shells.start[:-1], pockets.shells.start[1:])
+        ],
+    }
+    for side, vertices in enumerate((pockets.begin, pockets.end)):
+        columns[f"{('begin', 'end')[side]}_handle"] = _handles_of(pockets, handles, vertices.tolist(), side)
+    for column in ("throat_height", "throat_section", "throat_radius"):
+        columns[column] = [None if np.isnan(value) else value for value in columns[column].tolist()]
+    return build_table(name, {field.name: columns[field.name] for field in SCHEMAS[name]})
+
+
+def _handles_of(pockets, handles, vertices, side):
+    """The handle at which each pocket begins (side 0) or ends (1), None where it is not resolved."""
+    found = {kind: find_handles(handles, vertices, *events[side]) for kind, events in EVENTS_OF.items()}
+    if side == 1:  # an island that never joins ends where a body does
+        tops = find_handles(handles, vertices, "annihilation", "B")
+        whole = np.isnan(pockets.throat_section)
+        found["island"] = [top if alone else handle for top, alone, handle in zip(tops, whole, found["island"])]
+    return [found[kind][row] for row, kind in enumerate(pockets.kind.tolist())]
+
+
+def sum_pockets(pockets, islands):
+    """Sum pockets and islands up: of each kind how many there are, and the volume.
+
+    Parameters
+    ----------
+    pockets, islands : Pockets
+
+    Returns
+    -------
+    dict
+        `basins`, `bells`, `sealed` and `islands`, each a dict of `count` and `volume`. What opens into another one
+        of its kind is counted, and its volume is that one's.
+    """
+    sums = {}
+    for name, kind in (("basins", "basin"), ("bells", "bell"), ("sealed", "sealed"), ("islands", "island")):
+        found = islands if kind == "island" else pockets
+        chosen = found.kind == kind
+        sums[name] = {"count": int(chosen.sum()), "volume": float(found.volume[chosen & (found.into < 0)].sum())}
+    return sums
