@@ -48,6 +48,10 @@ REFERENCES = {
         ("bottom", "vertices"), ("top", "vertices"), ("path", "vertices"),
         ("bottom_handle", "handles"), ("top_handle", "handles"),
     ),
+    "face_arcs": (
+        ("face", "faces"), ("surface_arc", "arcs"), ("solid_arc", "arcs"), ("critical_arc", "critical_arcs"),
+    ),
+    "parts": (("solid_arc", "arcs"),),
 }  # fmt: skip
 
 

@@ -67,12 +67,32 @@ def label_faces(points: Any, faces: ArrayLike | None = None, rotation: ArrayLike
     points, corners = take_mesh(points, faces)
     mesh = height_mesh(points, corners, rotation)
     labels = label_arcs(mesh, surface_reeb_graph(mesh))
-    # unfolding adds faces without area between the copies of a saddle, and puts all into another order
-    found = mesh.vertex[mesh.faces]
-    kept = (found != np.roll(found, 1, axis=1)).all(axis=1)
+    row = match_faces(mesh, corners)
     arcs = np.empty(len(corners), np.int32)
-    arcs[_order_of_faces(corners)] = labels.of_face[kept][_order_of_faces(found[kept])]
+    arcs[row[row >= 0]] = labels.of_face[row >= 0]
     return arcs
+
+
+def match_faces(mesh, faces):
+    """Find which of the faces that a mesh was made of each of its faces is.
+
+    Parameters
+    ----------
+    mesh : HeightMesh
+        Of m faces, in an order of its own.
+    faces : (k, 3) int
+        Those of the surface.
+
+    Returns
+    -------
+    (m,) int64
+        Rows of `faces`; -1 of the faces without area that unfolding added between the copies of a saddle.
+    """
+    found = mesh.vertex[mesh.faces]
+    kept = np.flatnonzero((found != np.roll(found, 1, axis=1)).all(axis=1))
+    row = np.full(len(found), -1)
+    row[kept[_order_of_faces(found[kept])]] = _order_of_faces(faces)
+    return row
 
 
 def _order_of_faces(faces):
