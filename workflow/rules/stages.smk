@@ -208,6 +208,69 @@ rule find_loops:
         "../scripts/find_loops.py"
 
 
+# Finds the arcs on which each face lies, whole or cut where arcs end. Writes face_arcs; aside of the stages above.
+rule label_faces:
+    input:
+        status="results/status/synthesize_edges/{batch}.parquet",
+    output:
+        status="results/status/label_faces/{batch}.parquet",
+    log:
+        "results/logs/label_faces/{batch}.log",
+    benchmark:
+        "results/benchmarks/label_faces/{batch}.tsv"
+    priority: priority_at("label_faces")
+    resources:
+        mem_mb=memory_of,
+        runtime=runtime_of,
+    params:
+        options={"cut": config["faces"]["cut"], "method": config["edges"]["method"]},
+        code=CODE["label_faces"],
+    script:
+        "../scripts/label_faces.py"
+
+
+# Colours the surface by its arcs, cut where they end. Writes arcs.ply; aside of the stages above.
+rule colour_faces:
+    input:
+        status="results/status/synthesize_edges/{batch}.parquet",
+    output:
+        status="results/status/colour_faces/{batch}.parquet",
+    log:
+        "results/logs/colour_faces/{batch}.log",
+    benchmark:
+        "results/benchmarks/colour_faces/{batch}.tsv"
+    priority: priority_at("colour_faces")
+    resources:
+        mem_mb=memory_of,
+        runtime=runtime_of,
+    params:
+        options={"by": config["colours"]["by"], "method": config["edges"]["method"]},
+        code=CODE["colour_faces"],
+    script:
+        "../scripts/colour_faces.py"
+
+
+# Takes the solid apart at its events into closed bodies, one per arc. Writes parts, as a table and as a scene.
+rule decompose_solid:
+    input:
+        status="results/status/synthesize_edges/{batch}.parquet",
+    output:
+        status="results/status/decompose_solid/{batch}.parquet",
+    log:
+        "results/logs/decompose_solid/{batch}.log",
+    benchmark:
+        "results/benchmarks/decompose_solid/{batch}.tsv"
+    priority: priority_at("decompose_solid")
+    resources:
+        mem_mb=memory_of,
+        runtime=runtime_of,
+    params:
+        options={"method": config["edges"]["method"]},
+        code=CODE["decompose_solid"],
+    script:
+        "../scripts/decompose_solid.py"
+
+
 # Draws the mesh with its graph inside, beside the graph by height.
 rule draw:
     input:

@@ -18,12 +18,21 @@ BEFORE = {
     "draw": "certify",
     "find_pockets": "classify_handles",
     "find_loops": "classify_handles",
+    "label_faces": "synthesize_edges",
+    "colour_faces": "synthesize_edges",
+    "decompose_solid": "synthesize_edges",
     "compare_links": "inspect_mesh",
 }
 # Those of the default target; the others are asked for by name.
 STAGES = tuple(stage for stage in BEFORE if stage != "compare_links")
 # Of these, those that a group of the configuration switches off by `find: false`.
-SIDE_STAGES = {"find_pockets": "pockets", "find_loops": "loops"}
+SIDE_STAGES = {
+    "find_pockets": "pockets",
+    "find_loops": "loops",
+    "label_faces": "faces",
+    "colour_faces": "colours",
+    "decompose_solid": "parts",
+}
 
 
 def line_to(stage):

@@ -37,3 +37,12 @@ def read_shells(folder, count):
         for corner in "abc":
             shell[faces[corner].to_numpy()] = faces["shell"].to_numpy()
     return shell, body_of_shell[shell]
+
+
+def read_arc_tables(folder):
+    """What tells of the model in `folder` where its arcs are: the tables levels, contours, handles, arcs."""
+    apart = {"contours": ("geometry",)}
+    return [
+        read_table(folder / f"{name}.parquet", name, apart.get(name, ()))
+        for name in ("levels", "contours", "handles", "arcs")
+    ]

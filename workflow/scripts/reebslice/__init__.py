@@ -14,6 +14,7 @@ __version__ = "0.1.0"
 
 # Exported name: the module that has it. `__init__.pyi` says the same to type checkers.
 _HOMES = {
+    "ArcBodies": "graphs.decomposition",
     "Contours": "slicing.contours",
     "ExactGraph": "graphs.exact",
     "HeightMesh": "morse.height_mesh",
@@ -25,6 +26,7 @@ _HOMES = {
     "SCHEMAS": "schemas",
     "Slices": "slicing.slices",
     "certify": "certification.certificate",
+    "decompose": "graphs.decomposition",
     "exact_graphs": "graphs.exact",
     "find_islands": "graphs.pockets",
     "find_loops": "graphs.loops",

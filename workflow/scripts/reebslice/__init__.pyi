@@ -3,6 +3,8 @@ from .certification.certificate import certify as certify
 from .formats.mesh_file import MeshFile as MeshFile
 from .formats.meshes import read_mesh as read_mesh
 from .graphs.bodies import pocket_bodies as pocket_bodies
+from .graphs.decomposition import ArcBodies as ArcBodies
+from .graphs.decomposition import decompose as decompose
 from .graphs.exact import ExactGraph as ExactGraph
 from .graphs.exact import exact_graphs as exact_graphs
 from .graphs.loops import Loops as Loops

@@ -1,12 +1,15 @@
-"""Colours for arcs."""
+"""Coloured files of what lies along arcs, for other programs."""
 
 import colorsys
 
 import numpy as np
 
+from ..formats.ply_bytes import ply_bytes
+
 # The golden angle as a share of a turn: hues of consecutive numbers lie far apart.
 GOLDEN = 0.38196601125010515
 NOTHING = (160, 160, 160)
+_EXTREMES = (np.min, np.min), (np.max, np.max)
 
 
 def arc_colours(arcs):
@@ -32,3 +35,63 @@ def _colour(number):
     """The colour of a number: hues by the golden angle, in turn lighter and darker."""
     shade = (0.95, 0.75, 0.85)[number % 3]
     return tuple(round(255 * part) for part in colorsys.hsv_to_rgb(number * GOLDEN % 1, 0.55, shade))
+
+
+def coloured_ply(labelled, face_arcs, by):
+    """Write a surface coloured by its arcs as PLY.
+
+    Parameters
+    ----------
+    labelled : LabelledMesh
+        Of n vertices and T triangles.
+    face_arcs : pyarrow.Table
+        Its rows.
+    by : {"solid", "surface"}
+        The graph whose arcs have colours.
+
+    Returns
+    -------
+    bytes
+        Vertices and triangles have the properties `red`, `green`, `blue`, `surface_arc` and `solid_arc`, -1 for none,
+        triangles also `face`, the row of the table `faces`. Where arcs meet, each has vertices of its own, so
+        that programs that show colours of vertices alone show sharp borders.
+    """
+    arcs = {
+        name: face_arcs[name].fill_null(-1).to_numpy()[labelled.row].astype(np.int32)
+        for name in ("surface_arc", "solid_arc")
+    }
+    pairs, pair = np.unique(np.column_stack(list(arcs.values())), axis=0, return_inverse=True)
+    keys = labelled.triangles * len(pairs) + pair.reshape(-1, 1)
+    vertices, triangles = np.unique(keys, return_inverse=True)
+    of_points = dict(zip(arcs, pairs[vertices % len(pairs)].T.astype(np.int32)))
+    of_triangles = arcs | {"face": face_arcs["face"].to_numpy()[labelled.row].astype(np.int32)}
+    for columns in (of_points, of_triangles):
+        columns |= dict(zip(("red", "green", "blue"), arc_colours(columns[f"{by}_arc"]).T))
+    return ply_bytes(labelled.points[vertices // len(pairs)], triangles.reshape(-1, 3), of_points, of_triangles)
+
+
+def coloured_scene(bodies):
+    """Write closed parts of a solid as a scene in binary glTF, a coloured node for each.
+
+    Parameters
+    ----------
+    bodies : ArcBodies
+
+    Returns
+    -------
+    bytes
+        Nodes are called `s` and the number of their arc, as edges are in `solid.graphml`; `rest` is what is on none.
+        The file has single precision, about the middle of the model, which the matrix of each node puts back.
+    """
+    import trimesh  # takes long to load
+
+    low, high = (extreme([edge(spots, axis=0) for spots in bodies.points], axis=0) for extreme, edge in _EXTREMES)
+    middle = (low + high) / 2
+    scene, place = trimesh.Scene(), trimesh.transformations.translation_matrix(middle)
+    for arc, spots, faces, colour in zip(bodies.label.tolist(), bodies.points, bodies.faces, arc_colours(bodies.label)):
+        material = trimesh.visual.material.PBRMaterial(baseColorFactor=[*colour, 255], metallicFactor=0.0)
+        mesh = trimesh.Trimesh(spots - middle, faces, process=False)
+        mesh.visual = trimesh.visual.TextureVisuals(material=material)
+        name = f"s{arc}" if arc >= 0 else "rest"
+        scene.add_geometry(mesh, node_name=name, geom_name=name, transform=place)
+    return scene.export(file_type="glb")

@@ -6,30 +6,38 @@ import numpy as np
 
 from ..errors import ReebsliceError
 from ..slicing.levels import Levels, pierce
-from .event_slices import EventSlices, Sections, cut_at_events, find_sections, sections_at, spread_labels
+from .event_slices import EventSlices, cut_at_events, find_sections, sections_at, spread_labels
 
 # Changes at which an arc of the solid and of the surface begins or ends, so that nothing is to be cut.
 EXTREMES = ("->o", "o->")
 
 
 class ArcSlices(NamedTuple):
-    """A surface cut at its handles, and the arcs on which its parts lie.
+    """A surface cut at its handles into P pieces and B blocks, and the arcs on which they lie.
 
     Attributes
     ----------
     slices : EventSlices
-        Of P pieces and B blocks.
-    sections : Sections
     solid_of_block : (B,) int64
         Rows of `arcs` of the graph `solid`; -1 for none: what lies wholly between two levels is a node without arcs.
     surface_of_piece : (P,) int64
         Rows of `arcs` of the graph `surface`; -1 likewise.
+    flat : (B,) bool
+        Whether a block is no more than a flat in which arcs end both below and above.
     """
 
     slices: EventSlices
-    sections: Sections
     solid_of_block: np.ndarray
     surface_of_piece: np.ndarray
+    flat: np.ndarray
+
+
+class _Arcs(NamedTuple):
+    """The arcs with height of one graph: rows, those of them that no witness can meet, and the arc of each contour."""
+
+    rows: list
+    unmet: list
+    of_contour: np.ndarray
 
 
 def slice_arcs(mesh, graph, body_of_vertex, levels, contours, handles, arcs):
@@ -38,7 +46,9 @@ def slice_arcs(mesh, graph, body_of_vertex, levels, contours, handles, arcs):
     Parameters
     ----------
     mesh : HeightMesh
-        Surface of n vertices.
+        Surface of n vertices whose saddles are simple.
+    graph : ReebGraph
+        The mesh's.
     body_of_vertex : (n,) int32
     levels, contours, handles, arcs : pyarrow.Table
         Of the surface; `contours` without `geometry`. The links are those of the mesh (`exact`).
@@ -49,58 +59,78 @@ def slice_arcs(mesh, graph, body_of_vertex, levels, contours, handles, arcs):
         Exact where every event is resolved. Where several share a piece or a block, what lies between them and is on
         no arc goes with the arc fewest events away, the lowest of equally many; what lies on several arcs,
         because levels hide how they part, with the lowest.
+        Arcs without height have nothing on them.
 
     Raises
     ------
     ReebsliceError
-        The tables are not of this surface, or the links are not those of the mesh.
+        The tables are not of this surface.
     TooManyCrossingsError
         The contours would not fit into memory.
     """
     rank, change = handles["rank"].to_numpy(), handles["change"].to_pylist()
     cut = np.array([word not in EXTREMES for word in change], bool)
-    chosen, solid, surface = _choose_witnesses(levels, contours, arcs)
-    slices = cut_at_events(mesh, graph, body_of_vertex, rank[cut], take_levels(levels, chosen))
-    sections = find_sections(slices, graph)
-    seen = _match_contours(slices, contours, chosen)
-    of_section = np.full(slices.n_blocks, -1)
-    region = slices.regions.of_contour[seen[0]]
-    _label_lowest(of_section, sections.of_block[slices.block_above[region]], solid[seen[1]])
-    for arc, low, high in _list_between(arcs, rank):
-        above, below = sections_at(slices, sections, graph, low, True), sections_at(slices, sections, graph, high, False)
-        between = np.intersect1d(above, below)
-        of_section[between[of_section[between] < 0]] = arc
-    low, high = sections.of_block[slices.block_below], sections.of_block[slices.block_above]
-    of_section = spread_labels(of_section, low[sections.ends_region], high[sections.ends_region])
-    of_part = np.full(len(slices.pieces.slab), -1)
-    _label_lowest(of_part, sections.of_piece[slices.pieces.piece_above[seen[0]]], surface[seen[1]])
-    ends = sections.of_piece[slices.pieces.piece_below], sections.of_piece[slices.pieces.piece_above]
-    of_part = spread_labels(of_part, *(side[sections.ends_contour] for side in ends))
-    return ArcSlices(slices, sections, of_section[sections.of_block], of_part[sections.of_piece])
+    generic = np.flatnonzero(np.isnan(_take(levels, "tie_x")))  # others run through flats
+    solid, surface = _list_arcs(contours, arcs, generic)
+    chosen = _choose_witnesses(contours, generic, (solid, surface))
+    slices = cut_at_events(mesh, graph, body_of_vertex, rank[cut], _take_levels(levels, chosen))
+    here, there = _match_contours(slices, contours, chosen)
+    of_solid, of_surface = find_sections(slices, graph)
+    blocks, pieces = slices.block_above[slices.regions.of_contour[here]], slices.pieces.piece_above[here]
+    labels = []
+    for sections, known, parts in ((of_solid, solid, blocks), (of_surface, surface, pieces)):
+        label = np.full(sections.of_part.max() + 1, -1)
+        _label_lowest(label, sections.of_part[parts], known.of_contour[there])
+        for row in known.unmet:
+            ends = ((int(rank[row[end]]), upward) for end, upward in (("source", True), ("target", False)))
+            between = np.intersect1d(*(sections_at(slices, sections, graph, *end) for end in ends))
+            label[between[label[between] < 0][:1]] = row["arc"]
+        low, high = (sections.of_part[side[sections.ends]] for side in (sections.below, sections.above))
+        labels.append(spread_labels(label, low, high)[sections.of_part])
+    return ArcSlices(slices, *labels, of_solid.flat)
 
 
-def take_levels(levels, chosen):
+def _take(levels, name):
+    """A column of the table `levels`, NaN for null."""
+    return levels[name].to_numpy(zero_copy_only=False).astype(float)
+
+
+def _take_levels(levels, chosen):
     """Some rows of the table `levels` as :class:`Levels`."""
-    ties = (levels[name].to_numpy(zero_copy_only=False).astype(float)[chosen] for name in ("tie_x", "tie_y"))
-    return Levels(levels["height"].to_numpy()[chosen], levels["vertices_below"].to_numpy()[chosen], *ties)
+    below = levels["vertices_below"].to_numpy()[chosen]
+    return Levels(_take(levels, "height")[chosen], below, *(_take(levels, tie)[chosen] for tie in ("tie_x", "tie_y")))
 
 
-def _choose_witnesses(levels, contours, arcs):
-    """The fewest levels that meet every arc with nodes; the solid's and the surface's arc of each contour."""
+def _list_arcs(contours, arcs, generic):
+    """The :class:`_Arcs` of solid and surface; generic : levels that run through no flat."""
     level, region = contours["level"].to_numpy(), contours["region"].to_numpy()
-    of_region, of_contour = np.full(region.max(initial=-1) + 1, -1), np.full(len(level), -1)
-    level_of_region = np.empty(len(of_region), np.int64)
-    level_of_region[region] = level
-    spans = []
-    for row in arcs.select(["arc", "graph", "nodes", "source"]).to_pylist():
-        label, where = {"solid": (of_region, level_of_region), "surface": (of_contour, level)}.get(
-            row["graph"], (None, None)
-        )
-        if label is not None and row["nodes"]:
-            label[row["nodes"]] = row["arc"]
-            spans.append((int(where[row["nodes"][0]]) - 1, int(where[row["nodes"][-1]])))
-    chosen = np.array([high for _, high in pierce(spans)], np.int64)
-    return chosen, of_region[region], of_contour
+    of_item = {"solid": region, "surface": np.arange(len(level))}
+    rows = arcs.select(["arc", "graph", "source", "target", "lower", "upper", "nodes"]).to_pylist()
+    found = []
+    for graph, item in of_item.items():
+        arc_of, level_of = np.full(item.max(initial=-1) + 1, -1), np.empty(item.max(initial=-1) + 1, np.int64)
+        level_of[item] = level
+        rising = [row for row in rows if row["graph"] == graph and row["lower"] < row["upper"]]
+        met, unmet = [], []
+        for row in rising:
+            arc_of[row["nodes"]] = row["arc"]
+            (met if np.isin(level_of[row["nodes"]], generic).any() else unmet).append(row)
+        found.append(_Arcs(met, unmet, arc_of[item]))
+    return found
+
+
+def _choose_witnesses(contours, generic, graphs):
+    """The fewest of the generic levels that meet every arc which any of them meets, ascending."""
+    place = np.searchsorted(generic, contours["level"].to_numpy())
+    spans = set()
+    for graph in graphs:
+        known = np.flatnonzero((graph.of_contour >= 0) & np.isin(contours["level"].to_numpy(), generic))
+        arc = graph.of_contour[known]
+        low, high = np.full(arc.max(initial=-1) + 1, len(generic)), np.full(arc.max(initial=-1) + 1, -1)
+        np.minimum.at(low, arc, place[known])
+        np.maximum.at(high, arc, place[known])
+        spans.update(zip((low[high >= 0] - 1).tolist(), high[high >= 0].tolist()))
+    return generic[[high for _, high in pierce(spans)]].astype(np.int64)
 
 
 def _match_contours(slices, contours, chosen):
@@ -109,10 +139,8 @@ def _match_contours(slices, contours, chosen):
     witness = np.flatnonzero(slices.side == 0)
     here = np.flatnonzero(np.isin(slices.contours.level, witness))
     there = np.flatnonzero(np.isin(level, chosen))
-    same = len(here) == len(there) and (
-        np.searchsorted(witness, slices.contours.level[here]) == np.searchsorted(chosen, level[there])
-    ).all()
-    if not same:
+    places = np.searchsorted(witness, slices.contours.level[here]), np.searchsorted(chosen, level[there])
+    if not np.array_equal(*places):
         raise ReebsliceError("the tables are not of this surface: other contours are at their levels.")
     return here, there
 
@@ -122,10 +150,3 @@ def _label_lowest(label, section, arc):
     known = arc >= 0
     order = np.argsort(-arc[known], kind="stable")
     label[section[known][order]] = arc[known][order]
-
-
-def _list_between(arcs, rank):
-    """Arcs of the solid between two events of a chain, which no level meets: arc, lower and upper rank of each."""
-    rows = arcs.select(["arc", "graph", "nodes", "source", "target"]).to_pylist()
-    between = [row for row in rows if row["graph"] == "solid" and not row["nodes"]]
-    return [(row["arc"], int(rank[row["source"]]), int(rank[row["target"]])) for row in between]

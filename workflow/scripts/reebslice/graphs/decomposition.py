@@ -11,6 +11,7 @@ from ..mesh.arguments import take_arrays, take_bodies, take_rotation
 from ..mesh.sheets import split_double_edges, split_pinches
 from ..morse.height_mesh import height_mesh
 from ..morse.reeb_graph import surface_reeb_graph
+from ..table_checks import build_table
 from .cut_faces import cut_mesh, part_faces
 from .event_slices import cut_at_events, find_sections, sections_at
 from .exact import solid_reeb_graph
@@ -87,14 +88,14 @@ def decompose(
     nodes, arcs = solid_reeb_graph(mesh, graph, body)
     inner = np.bincount(arcs.ravel(), minlength=len(nodes)) > 1
     slices = cut_at_events(mesh, graph, body, nodes[inner])
-    sections = find_sections(slices, graph)
-    label = _name_sections(mesh, graph, slices, sections, nodes, arcs)[sections.of_block]
+    sections, _ = find_sections(slices, graph)
+    label = _name_sections(mesh, graph, slices, sections, nodes, arcs)[sections.of_part]
     return arc_bodies(mesh, slices, np.where(sections.flat, LEFT_OUT, label), points, matrix)
 
 
 def _name_sections(mesh, graph, slices, sections, nodes, arcs):
     """The arc of each section, between whose events it lies; -1 for none."""
-    label = np.full(sections.of_block.max() + 1, -1)
+    label = np.full(sections.of_part.max() + 1, -1)
     ends = [[sections_at(slices, sections, graph, node, upward) for node in nodes.tolist()] for upward in (True, False)]
     for arc, (low, high) in enumerate(arcs.tolist()):
         between = np.intersect1d(ends[0][low], ends[1][high])
@@ -144,6 +145,71 @@ def arc_bodies(mesh, slices, label, points, rotation):
     corners = np.concatenate([cut.triangles, caps, caps[:, ::-1]])
     owner = [parts.label[cut.part], np.repeat(below[regions], sizes), np.repeat(above[regions], sizes)]
     return _gather_bodies(every, corners, np.concatenate(owner), np.arange(len(corners)) >= len(cut.triangles))
+
+
+def labelled_bodies(mesh, labels, points, rotation):
+    """Take a solid apart by the arcs of the written graph.
+
+    Parameters
+    ----------
+    mesh : HeightMesh
+    labels : ArcSlices
+        Of :func:`.arc_labels.slice_arcs`.
+    points : (n, 3) float64
+        Of the surface, model frame.
+    rotation : (3, 3) float64
+        From the model frame to the tilted frame.
+
+    Returns
+    -------
+    ArcBodies
+        Arcs without height have none, nor have those that hang together with a lower one between two levels.
+
+    Raises
+    ------
+    ReebsliceError
+        As of :func:`arc_bodies`.
+    """
+    label = np.where(labels.flat, LEFT_OUT, labels.solid_of_block)
+    return arc_bodies(mesh, labels.slices, label, points, rotation)
+
+
+def parts_table(bodies, rotation):
+    """Make the table `parts`.
+
+    Parameters
+    ----------
+    bodies : ArcBodies
+    rotation : (3, 3) float64
+        From the model frame to the tilted frame.
+
+    Returns
+    -------
+    pyarrow.Table
+    """
+    heights = [spots @ np.asarray(rotation)[2] for spots in bodies.points]
+    measures = [_measure(*body) for body in zip(bodies.points, bodies.faces, bodies.is_cut)]
+    volume, area, cut_area = np.array(measures, float).reshape(-1, 3).T
+    return build_table(
+        "parts",
+        {
+            "solid_arc": [None if arc < 0 else arc for arc in bodies.label.tolist()],
+            "lower": [height.min() for height in heights],
+            "upper": [height.max() for height in heights],
+            "volume": volume,
+            "area": area,
+            "cut_area": cut_area,
+            "n_faces": [len(faces) for faces in bodies.faces],
+        },
+    )
+
+
+def _measure(points, faces, is_cut):
+    """Volume, and area of the faces that close no cut and of those that do."""
+    a, b, c = (points[faces[:, k]] - points[0] for k in range(3))
+    normal = np.cross(b - a, c - a)
+    area = np.linalg.norm(normal, axis=1) / 2
+    return (a * normal).sum() / 6, area[~is_cut].sum(), area[is_cut].sum()
 
 
 def _close(rings, places):

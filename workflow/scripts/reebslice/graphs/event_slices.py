@@ -61,27 +61,31 @@ class EventSlices(NamedTuple):
 
 
 class Sections(NamedTuple):
-    """What is between events: the blocks of each arc of the solid, the pieces of each arc of the surface.
+    """What is between events, of a solid (items are regions, parts are blocks) or of a surface (contours, pieces).
 
     Attributes
     ----------
-    of_block : (B,) int64
-        The section of every block: blocks that hang together, but for where an event is.
-    of_piece : (P,) int64
-        The same of pieces.
-    ends_region : (R,) bool
-        Whether a region is at an event of its solid, so that another section begins there.
-    ends_contour : (C,) bool
-        Whether a contour is at an event of its surface.
-    flat : (B,) bool
-        Whether a block is in a section without height, between two cuts below and above a flat.
+    of_part : (P,) int64
+        The section of every part: parts that hang together, but for where an event is.
+    flat : (P,) bool
+        Whether a part is in a section without height, between two cuts below and above a flat.
+    of_node : (K,) int32
+        The part that holds each critical point of the surface.
+    level : (I,) int32
+        Levels of the items, ascending.
+    below, above : (I,) int32
+        The parts on the lower and on the upper side of each item.
+    ends : (I,) bool
+        Whether the item bounds a part that holds an event of its level, so that another section begins there.
     """
 
-    of_block: np.ndarray
-    of_piece: np.ndarray
-    ends_region: np.ndarray
-    ends_contour: np.ndarray
+    of_part: np.ndarray
     flat: np.ndarray
+    of_node: np.ndarray
+    level: np.ndarray
+    below: np.ndarray
+    above: np.ndarray
+    ends: np.ndarray
 
 
 def cut_at_events(mesh, graph, body_of_vertex, events, witnesses=None):
@@ -124,7 +128,7 @@ def cut_at_events(mesh, graph, body_of_vertex, events, witnesses=None):
 
 
 def _order_cuts(mesh, graph, events, witnesses):
-    """Levels at the heights of events, the same halfway to the next height, their sides, and the level of each event."""
+    """Levels at the heights of events, the same halfway to the next height, their sides, and the level of events."""
     height = mesh.points[:, 2]
     falls = np.bincount(graph.arcs[:, 1], minlength=len(graph.nodes))[np.searchsorted(graph.nodes, events)]
     side = np.where(falls == 1, 1, -1)  # above a separation and a maximum
@@ -158,28 +162,33 @@ def find_sections(slices, graph):
 
     Returns
     -------
-    Sections
-        A region ends a section if it bounds a block that holds an event of its level, a contour if it bounds a
-        piece that does.
+    solid, surface : Sections
     """
-    regions, contours, pieces = slices.regions, slices.contours, slices.pieces
-    piece = pieces.of_node[np.searchsorted(graph.nodes, slices.event)]
-    is_low = slices.side[slices.at] < 0  # events right above their cut
-    ends_region, ends_contour = np.zeros(len(regions.level), bool), np.zeros(len(contours.level), bool)
-    for chosen, side, block, part in (
-        (is_low, -1, slices.block_above, pieces.piece_above),
-        (~is_low, 1, slices.block_below, pieces.piece_below),
-    ):
-        ends_region |= (slices.side[regions.level] == side) & np.isin(block, slices.block_of_piece[piece[chosen]])
-        ends_contour |= (slices.side[contours.level] == side) & np.isin(part, piece[chosen])
-    passed, led = ~ends_region, ~ends_contour
-    of_block = connected_items(slices.block_below[passed], slices.block_above[passed], slices.n_blocks)
-    of_piece = connected_items(pieces.piece_below[led], pieces.piece_above[led], len(pieces.slab))
-    return Sections(of_block, of_piece, ends_region, ends_contour, _flat_blocks(slices, of_block))
+    pieces, of_piece = slices.pieces, slices.block_of_piece
+    slab = np.empty(slices.n_blocks, np.int64)
+    slab[of_piece] = pieces.slab
+    regions = slices.regions.level, slices.block_below, slices.block_above
+    contours = slices.contours.level, pieces.piece_below, pieces.piece_above
+    place = np.searchsorted(graph.nodes, slices.event)
+    return (
+        _find_sections(slices, place, of_piece[pieces.of_node], slab, *regions),
+        _find_sections(slices, place, pieces.of_node, pieces.slab, *contours),
+    )
+
+
+def _find_sections(slices, place, of_node, slab, level, below, above):
+    """The :class:`Sections` of parts with slabs; place : of events, among the critical points."""
+    is_low, ends = slices.side[slices.at] < 0, np.zeros(len(level), bool)  # events right above their cut
+    for chosen, side, beside in ((is_low, -1, above), (~is_low, 1, below)):
+        ends |= (slices.side[level] == side) & np.isin(beside, of_node[place[chosen]])
+    of_part = connected_items(below[~ends], above[~ends], len(slab))
+    height = np.concatenate([[-np.inf], slices.levels.height, [np.inf]])
+    rises = np.bincount(of_part, weights=height[slab + 2] > height[slab + 1])
+    return Sections(of_part, rises[of_part] == 0, of_node, level, below, above, ends)
 
 
 def sections_at(slices, sections, graph, event, upward):
-    """Find the sections of the solid that begin at an event, or end there.
+    """Find the sections that begin at an event, or end there.
 
     Parameters
     ----------
@@ -196,37 +205,28 @@ def sections_at(slices, sections, graph, event, upward):
     -------
     (k,) int64
         Ascending. Where nothing is cut at the event, the one in which it lies. Of events at one height in one
-        part of the solid, they are the same.
+        part, they are the same.
     """
-    blocks = slices.block_of_piece[slices.pieces.of_node[np.searchsorted(graph.nodes, [event])]]
+    parts = sections.of_node[np.searchsorted(graph.nodes, [event])]
     place = np.searchsorted(slices.event, event)
     if place == len(slices.event) or slices.event[place] != event:
-        return sections.of_block[blocks]
-    level, near, far = slices.at[place], slices.block_below, slices.block_above
-    if not upward:
-        near, far = far, near
+        return sections.of_part[parts]
+    level = slices.at[place]
     if (slices.side[level] > 0) == upward:
-        blocks = _step(slices, near, far, blocks, level)
-    flat = sections.flat[blocks]
+        parts = _step(sections, parts, level, upward)
+    flat = sections.flat[parts]
     while flat.any():
         level += 1 if upward else -1
-        blocks = np.concatenate([blocks[~flat], _step(slices, near, far, blocks[flat], level)])
-        flat = sections.flat[blocks]
-    return np.unique(sections.of_block[blocks])
+        parts = np.concatenate([parts[~flat], _step(sections, parts[flat], level, upward)])
+        flat = sections.flat[parts]
+    return np.unique(sections.of_part[parts])
 
 
-def _step(slices, near, far, blocks, level):
-    """The blocks on the far side of the regions at a level that have one of some blocks on the near side."""
-    here = slice(*np.searchsorted(slices.regions.level, [level, level + 1]))
-    return far[here][np.isin(near[here], blocks)]
-
-
-def _flat_blocks(slices, of_block):
-    """Whether each block is in a section without height."""
-    slab = np.empty(slices.n_blocks, np.int64)
-    slab[slices.block_of_piece] = slices.pieces.slab
-    height = np.concatenate([[-np.inf], slices.levels.height, [np.inf]])
-    return (np.bincount(of_block, weights=height[slab + 2] > height[slab + 1]) == 0)[of_block]
+def _step(sections, parts, level, upward):
+    """The parts beyond the items of a level that bound one of some parts, from below to above or back."""
+    here = slice(*np.searchsorted(sections.level, [level, level + 1]))
+    near, far = sections.below[here], sections.above[here]
+    return far[np.isin(near, parts)] if upward else near[np.isin(far, parts)]
 
 
 def spread_labels(label, low, high):

@@ -1,0 +1,34 @@
+"""Tell on which arcs each face lies: `face_arcs`."""
+
+from corpus.stages import Rejected, run_batch
+from corpus.storage import write_table
+from corpus.surfaces import read_arc_tables, read_faces, read_points, read_rotation, read_shells
+from reebslice.errors import TooManyCrossingsError
+from reebslice.graphs.arc_labels import slice_arcs
+from reebslice.graphs.face_labels import list_face_arcs
+from reebslice.morse.height_mesh import height_mesh
+from reebslice.morse.reeb_graph import surface_reeb_graph
+
+OUTPUTS = ("face_arcs.parquet",)
+
+
+def main(source, target, options):
+    """Label the faces of the model in folder `source`, write the table to folder `target`.
+
+    options : `cut`, whether faces are cut where arcs end; `method`, that of `edges`.
+    """
+    if options["method"] != "exact":
+        raise Rejected("no arcs of faces: they take edges: {method: exact}, since guessed links tell of no faces.")
+    surface, rotation = (read_points(source), read_faces(source)), read_rotation(source)
+    mesh = height_mesh(*surface, rotation)
+    graph, body = surface_reeb_graph(mesh), read_shells(source, len(surface[0]))[1]
+    try:
+        labels = slice_arcs(mesh, graph, body[mesh.vertex], *read_arc_tables(source))
+    except TooManyCrossingsError as fault:
+        raise Rejected(f"no arcs of faces: {fault}. Take levels: {{refine: feature}}.") from None
+    table, _ = list_face_arcs(mesh, graph, labels, surface, rotation, options["cut"])
+    write_table(target / "face_arcs.parquet", "face_arcs", table)
+
+
+if "snakemake" in globals():
+    run_batch(snakemake, main, OUTPUTS)
