@@ -127,6 +127,16 @@ def test_bodies_that_overlap_are_taken_apart_one_by_one():
     assert np.allclose(sorted(volume(*each) for each in zip(bodies.points, bodies.faces)), [6, 64])
 
 
+def test_a_part_of_many_vertices_is_closed():
+    ring = solids.torus(around=500, across=300)  # more vertices than the root of what fits in 32 bits
+    bodies = decompose(ring.points, ring.faces, [[1, 0, 0], [0, 0.8, -0.6], [0, 0.6, 0.8]])
+    assert len(bodies.label) == 4 and max(map(len, bodies.points)) > 46341
+    assert all(is_closed_manifold(faces) for faces in bodies.faces)
+    assert np.isclose(
+        sum(volume(*body) for body in zip(bodies.points, bodies.faces)), volume(ring.points, ring.faces), rtol=1e-9
+    )
+
+
 def test_points_in_no_face_and_other_vertices_change_nothing():
     solid = solids.arch()
     more = np.concatenate([solid.points[:1] + 9, solid.points])

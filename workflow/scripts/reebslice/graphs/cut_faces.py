@@ -243,7 +243,7 @@ def _find_shares(points, levels, corners):
         low, high, level = corners[i]
         if level < 0:
             continue
-        a, b, t = points[low], points[high], 0.5
+        a, b, t = points[low], points[high], 0.0  # the copies of a saddle are one point
         if a[2] < b[2]:
             t = (levels.height[level] - a[2]) / (b[2] - a[2])
         elif a[0] < b[0]:

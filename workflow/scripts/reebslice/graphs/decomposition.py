@@ -240,7 +240,7 @@ def _gather_bodies(points, corners, owner, is_cut):
 
 def _separate(points, faces):
     """Make a closed surface a manifold, where it touches itself in a vertex or along a mesh edge."""
-    tails, heads = faces.ravel().astype(np.int64), np.roll(faces, -1, axis=1).ravel()
+    tails, heads = (ends.ravel().astype(np.int64) for ends in (faces, np.roll(faces, -1, axis=1)))
     ahead, back = tails * len(points) + heads, heads * len(points) + tails
     along, against = np.argsort(ahead, kind="stable"), np.argsort(back, kind="stable")
     if not np.array_equal(ahead[along], back[against]):
