@@ -36,6 +36,7 @@ def make_page():
     for name, schema in SCHEMAS.items():
         key, says = (schema.metadata[word].decode() for word in (b"reebslice:primary_key", b"description"))
         where = "results/corpus/comparison.parquet" if name == "comparison" else f"{name}.parquet"
+        where += "`, and all in `results/corpus/directions.parquet" if name == "directions" else ""
         lines += [f"\n## {name}\n", f"`{where}`. {says} Key: {key}.\n", "| column | type | unit | meaning |"]
         lines.append("| --- | --- | --- | --- |")
         for field in schema:

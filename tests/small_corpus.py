@@ -23,6 +23,8 @@ OPTIONS = (
     "tilt={mode: none}",
     "nodes={sampler: representative}",
     "draw={width: 200}",
+    "colours={find: true}",
+    "parts={find: true}",
     "batches={size: 1000, most: 1}",
 )
 MOST_RUNS = 6  # until one comes to its end

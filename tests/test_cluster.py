@@ -14,7 +14,7 @@ from snakemake.settings.types import SharedFSUsage, StorageSettings
 from compare_results import compare_results
 from corpus.batches import predict_gathering
 from corpus.configuration import ConfigError
-from corpus.layout import STAGES, STATUS_SCHEMA
+from corpus.layout import ASKED_FOR, STAGES, STATUS_SCHEMA
 from corpus.shared_files import check_file_sharing
 from test_workflow import run, write_box
 
@@ -54,8 +54,8 @@ def put_gltf(path, uri):
 
 def test_every_job_asks_for_memory_and_time(tmp_path):
     write_box(tmp_path / "meshes/a.off")
-    jobs = plan(tmp_path, "all", "compare_methods")
-    assert set(jobs) == {*STAGES, "collect_models", "compare_links", "compare_methods", "all"}
+    jobs = plan(tmp_path, "all", "compare_methods", "compare_directions")
+    assert set(jobs) == {*STAGES, "collect_models", *ASKED_FOR, "compare_methods", "compare_directions", "all"}
     for rule in set(jobs) - {"all"}:
         for text in jobs[rule]:
             asked = dict(re.findall(r"(mem_mb|runtime)=(\d+)", text))
@@ -114,7 +114,7 @@ def test_profiles_say_what_snakemake_knows(profile):
     assert settings["keep-going"] and settings["rerun-incomplete"] and settings["retries"] >= 1
     assert "configfile" not in settings or (profile / settings["configfile"]).is_file()
     for key in {"groups", "set-resources"} & set(settings):
-        assert set(settings[key]) == {*STAGES, "compare_links"}
+        assert set(settings[key]) == {*STAGES, *ASKED_FOR}
 
 
 def test_profiles_are_taken_up_when_asked_for(tmp_path):

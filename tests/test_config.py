@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 
 import pipeline
 from corpus.configuration import LARGEST_LENGTH, SMALLEST_LENGTH, ConfigError, check_config
-from corpus.layout import STAGES
+from corpus.layout import ASKED_FOR, STAGES
 from corpus.stages import Rejected
 from corpus.workers import Limits, map_apart
 from reebslice.errors import TooManyCrossingsError
@@ -26,7 +26,7 @@ ROOT = Path(__file__).parent.parent
 SCHEMA = yaml.safe_load((ROOT / "workflow" / "schemas" / "config.schema.yaml").read_text())
 SECTIONS = pipeline.STAGES | {
     "certify": "levels", "draw": "draw", "find_pockets": "pockets", "find_loops": "loops", "label_faces": "faces",
-    "colour_faces": "colours", "decompose_solid": "parts", "compare_links": "compare",
+    "colour_faces": "colours", "decompose_solid": "parts", "compare_links": "compare", "rate_directions": "directions",
 }  # fmt: skip
 SHIPPED = yaml.safe_load((ROOT / "config" / "config.yaml").read_text())
 
@@ -188,7 +188,7 @@ EDGES = [
     1e300,
     1.7e308,
 ]
-MODULES = {stage: importlib.import_module(stage) for stage in (*STAGES, "compare_links")}
+MODULES = {stage: importlib.import_module(stage) for stage in (*STAGES, *ASKED_FOR)}
 
 
 def values_of(part):

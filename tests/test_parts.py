@@ -41,8 +41,9 @@ def volume(points, faces):
 
 def is_closed_manifold(faces):
     """Whether every mesh edge is in two faces that run along it in opposite directions."""
-    ends = Counter(map(tuple, np.concatenate([faces[:, [0, 1]], faces[:, [1, 2]], faces[:, [2, 0]]]).tolist()))
-    return set(ends.values()) == {1} and all((head, tail) in ends for tail, head in ends)
+    tails, heads = (ends.ravel().astype(np.int64) for ends in (faces, np.roll(faces, -1, axis=1)))
+    along, back = tails * (faces.max() + 1) + heads, heads * (faces.max() + 1) + tails
+    return len(np.unique(along)) == len(along) and np.array_equal(np.sort(along), np.sort(back))
 
 
 def box(low, high):

@@ -24,6 +24,7 @@ MISSING = [stage for stage in STAGES if not (SCRIPTS / f"{stage}.py").exists()]
 pytestmark = pytest.mark.skipif(bool(MISSING), reason=f"stages that are not written yet: {MISSING}")
 
 OPTIONS = ("levels={distance: 0.2}", "tilt={mode: none}", "nodes={sampler: representative}", "draw={width: 300}")
+OPTIONS += ("colours={find: true}", "parts={find: true}")  # so that all stages run
 BOX = [(x, y, z) for x in (0, 2) for y in (0, 3) for z in (0, 5)]
 QUADS = [(0, 1, 3, 2), (4, 6, 7, 5), (0, 4, 5, 1), (2, 3, 7, 6), (0, 2, 6, 4), (1, 5, 7, 3)]
 BOX_FACES = [corners for a, b, c, d in QUADS for corners in ((a, b, c), (a, c, d))]

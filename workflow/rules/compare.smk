@@ -1,5 +1,5 @@
-# How far links guessed from shapes alone are right: not part of `rule all`, but
-# asked for by name: snakemake --cores 2 compare_methods
+# Not part of `rule all`, but asked for by name: how far links guessed from shapes alone are right,
+# snakemake --cores 2 compare_methods; and which direction suits a model best, snakemake --cores 2 compare_directions
 
 
 # Cuts the model at uniform levels, guesses links by each rule and counts what
@@ -42,3 +42,43 @@ rule compare_methods:
         code=digest_code(SCRIPTS / "compare_methods.py"),
     script:
         "../scripts/compare_methods.py"
+
+
+# What each of many directions of height would catch, hold, and leave in the air.
+# Writes directions.
+rule rate_directions:
+    input:
+        status="results/status/inspect_mesh/{batch}.parquet",
+    output:
+        status="results/status/rate_directions/{batch}.parquet",
+    log:
+        "results/logs/rate_directions/{batch}.log",
+    benchmark:
+        "results/benchmarks/rate_directions/{batch}.tsv"
+    resources:
+        mem_mb=memory_of,
+        runtime=runtime_of,
+    params:
+        options=config["directions"],
+        code=digest_code(SCRIPTS / "rate_directions.py"),
+    script:
+        "../scripts/rate_directions.py"
+
+
+# results/corpus/directions.parquet: all of them, of each model the best first.
+rule compare_directions:
+    input:
+        status=[f"results/status/rate_directions/{batch}.parquet" for batch in BATCHES],
+    output:
+        table="results/corpus/directions.parquet",
+    log:
+        "results/logs/compare_directions.log",
+    benchmark:
+        "results/benchmarks/compare_directions.tsv"
+    resources:
+        mem_mb=gathering_memory,
+        runtime=gathering_runtime,
+    params:
+        code=digest_code(SCRIPTS / "compare_directions.py"),
+    script:
+        "../scripts/compare_directions.py"

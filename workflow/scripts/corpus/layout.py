@@ -22,9 +22,11 @@ BEFORE = {
     "colour_faces": "synthesize_edges",
     "decompose_solid": "synthesize_edges",
     "compare_links": "inspect_mesh",
+    "rate_directions": "inspect_mesh",
 }
-# Those of the default target; the others are asked for by name.
-STAGES = tuple(stage for stage in BEFORE if stage != "compare_links")
+# Asked for by name, through the tables that are gathered of them; the others are those of the default target.
+ASKED_FOR = ("compare_links", "rate_directions")
+STAGES = tuple(stage for stage in BEFORE if stage not in ASKED_FOR)
 # Of these, those that a group of the configuration switches off by `find: false`.
 SIDE_STAGES = {
     "find_pockets": "pockets",

@@ -16,6 +16,7 @@ __version__ = "0.1.0"
 _HOMES = {
     "ArcBodies": "graphs.decomposition",
     "Contours": "slicing.contours",
+    "Directions": "graphs.directions",
     "ExactGraph": "graphs.exact",
     "HeightMesh": "morse.height_mesh",
     "Loops": "graphs.loops",
@@ -26,6 +27,7 @@ _HOMES = {
     "SCHEMAS": "schemas",
     "Slices": "slicing.slices",
     "certify": "certification.certificate",
+    "compare_directions": "graphs.directions",
     "decompose": "graphs.decomposition",
     "exact_graphs": "graphs.exact",
     "find_islands": "graphs.pockets",

@@ -5,6 +5,8 @@ from .formats.meshes import read_mesh as read_mesh
 from .graphs.bodies import pocket_bodies as pocket_bodies
 from .graphs.decomposition import ArcBodies as ArcBodies
 from .graphs.decomposition import decompose as decompose
+from .graphs.directions import Directions as Directions
+from .graphs.directions import compare_directions as compare_directions
 from .graphs.exact import ExactGraph as ExactGraph
 from .graphs.exact import exact_graphs as exact_graphs
 from .graphs.loops import Loops as Loops
