@@ -195,11 +195,11 @@ def _take_directions(directions):
 def _rate(points, faces, body, up, measures):
     """What :class:`Directions` says of one direction; measures : distance, least depth, and angle of overhangs."""
     distance, depth, angle = measures
-    rotation = rotation_to_vertical(up)
-    pockets = find_pockets(points, faces, rotation, depth)
-    islands = find_islands(points, faces, rotation, body, depth)
-    heights = points @ up
+    rotation, heights = rotation_to_vertical(up), points @ up
     low, high = (float(extreme(heights[find_used(len(points), faces)])) for extreme in (np.min, np.max))
+    coarse = max(high - low, distance)  # no throats and largest sections are asked for, which take levels
+    pockets = find_pockets(points, faces, rotation, depth, coarse)
+    islands = find_islands(points, faces, rotation, body, depth, coarse)
     free = float(islands.begin_height.min(initial=high)) - low
     return (
         *_total(islands, "island"), *(part for kind in ("basin", "bell", "sealed") for part in _total(pockets, kind)),
