@@ -30,7 +30,7 @@ MODELS = {
     ),
 }
 WORDS = {
-    "why": ("uniform", "refined"), "kind": PIECE_KINDS, "side": ("A", "B"), "graph": ("solid", "surface"),
+    "why": ("uniform", "refined"), "kind": PIECE_KINDS, "side": ("A", "B"), "graph": ("solid", "surface", "void"),
     "operation": ("continuation", *OPERATIONS), "change": (None, *EVENTS), "method": ("exact", "similarity"),
 }  # fmt: skip
 # A vertex may move inside a flat and a cut between two of its vertices: the solid and the level remain the same.

@@ -231,7 +231,12 @@ SCHEMAS = {
         ("source", INT, "Handle at its lower end; of the void, -1 where the outside goes on below all."),
         ("target", INT, "Handle at its upper end; of the void, -2 where the outside goes on above all."),
         ("lower", REAL, "Height of the lower end; where the outside goes on, of the lowest vertex.", ("unit", "mesh")),
-        ("upper", REAL, "Height of the upper end; where the outside goes on, of the highest vertex.", ("unit", "mesh")),
+        (
+            "upper",
+            REAL,
+            "Height of the upper end; where the outside goes on, of the highest vertex.",
+            ("unit", "mesh"),
+        ),
         (
             "length",
             REAL,

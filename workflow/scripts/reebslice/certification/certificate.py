@@ -62,9 +62,11 @@ UNRESOLVED = (
     "Between two levels lie critical points of {:.6g} or more, the feature size, whose order the graph does not show; "
     "take a smaller distance, or levels: {{refine: exact}}."
 )
-NO_VOID = (
-    "Contours do not tell what is void, because {}. Of bodies that share material inspect: {{overlaps: union}} makes one."
+VOID_CROSSED = "The surface crosses itself, so contours may not tell what is void; take the parts that cross apart."
+VOID_SHARED = (
+    "Bodies share material or touch, so contours may not tell what is void; inspect: {overlaps: union} unites them."
 )
+NO_VOID = " The void has no graph here."
 HEURISTIC = "Links by a heuristic are not certified; take edges: {method: exact}."
 DIFFERENT = "The results do not fit the mesh; make the model's results anew, and if it fails again, report it."
 
@@ -178,8 +180,8 @@ def _tell_of_void(facts, ledger, verdict):
     if verdict == "uncertified":
         return {"void_verdict": verdict, "void_reason": "The graphs of surface and solid are uncertified."}
     if doubts_void(facts):
-        apart = "the surface crosses itself" if facts.crossing else "bodies share material or touch"
-        return {"void_verdict": "uncertified", "void_reason": NO_VOID.format(apart)}
+        reason = (VOID_CROSSED if facts.crossing else VOID_SHARED) + ("" if "void" in facts.parts else NO_VOID)
+        return {"void_verdict": "uncertified", "void_reason": reason}
     verdict = _verdict(facts, ledger, unresolved_groups(facts) + crowded_void(facts))
     reason = UNRESOLVED.format(facts.size) if verdict == "uncertified" else ""
     return {"void_verdict": verdict, "void_reason": reason}

@@ -54,9 +54,9 @@ def slice_surface(
         Upper bound of the spacing of the equispaced levels, mesh units.
     refine : {"feature", "exact", "none"}
         "feature" separates critical points of one piece or block, be it of the solid or of the void, that both have
-        at least the persistence `feature_size`. "exact" separates all whose persistence is not zero, and whatever keeps a piece from
-        being elementary: the graph is then that of the surface, whatever the distance. (Pairs at one height,
-        inside a flat, are made by the order of ranks alone and are no features of the height.)
+        at least the persistence `feature_size`. "exact" separates all whose persistence is not zero, and whatever
+        keeps a piece from being elementary: the graph is then that of the surface, whatever the distance. (Pairs at
+        one height, inside a flat, are made by the order of ranks alone and are no features of the height.)
     feature_size : float, optional
         Mesh units; by default twice the distance, the sampling rule of the paper.
 

@@ -12,7 +12,6 @@ from ..recount.graphs import find_arcs
 from ..recount.ranges import list_members
 from .links import find_largest
 
-
 MEASURES = {"solid": ("volume", "area"), "surface": ("area", "volume"), "void": ("volume", "area")}
 
 

@@ -161,7 +161,7 @@ def _count_void_loops(facts, ledger):
 
 
 def doubts_void(facts):
-    """Tell whether contours may not tell what is void: bodies share material, the surface crosses or touches itself."""
+    """Tell whether contours may not tell what is void: where sheets cross, or bodies share material or touch."""
     told = any(facts.inspection.get(f"{which}_crossings") for which in ("self", "body"))
     unsure = facts.open["contours of unsure parent"] > 0
     return bool("void" not in facts.parts or facts.crossing or facts.entangled or told or unsure)
