@@ -288,10 +288,9 @@ def check_identities(result):
     assert chi == sum((-1) ** row["index"] for row in result.handles)
     assert chi == sum(row["euler_characteristic"] for row in result.pieces)
     loops = {name: reference.count_loops(graph) for name, graph in result.graphs.items()}
-    if result.graphs["void"]:  # of whatever is sliced, however: at a height, solid and void are a tree
-        assert loops["solid"] + loops["void"] == loops["surface"]
-        voids = sum(row["void"] for row in result.shells)
-        assert nx.number_connected_components(result.graphs["void"]) == 1 + voids
+    # however it is sliced: at a height, solid and void are a tree
+    assert loops["solid"] + loops["void"] == loops["surface"]
+    assert nx.number_connected_components(result.graphs["void"]) == 1 + sum(row["void"] for row in result.shells)
 
 
 def check_all(solid, refine, **sections):

@@ -22,6 +22,7 @@ MODELS = {
     "nested": (solids.nested_shells(4), [0.1, 0.2, 0.97], {}),
     "torus": (solids.torus(upright=True), [0.1, 0.2, 0.97], {}),
     "flat": (solids.plate(3, upright=True), [0, 0, 1], {}),
+    "holes": (solids.plate(2), [0.1, 0.2, 0.97], {}),
     "multiple saddle": (solids.wedges([1, -1, 1, 1, -1, 1, -1, -1], 5), [0, 0, 1], {}),
     "noisy": (
         solids.unite(solids.blob(3, 2), solids.move(solids.torus(upright=True), [6, 0, 0.3])),
