@@ -35,7 +35,7 @@ SPECIFICATION.loader.exec_module(check)
 TAG = "{http://graphml.graphdrawing.org/xmlns}"
 GRAPHS = ("solid.graphml", "surface.graphml")
 WORDS = {
-    "why": ("uniform", "refined"), "kind": PIECE_KINDS, "side": ("A", "B"), "graph": ("solid", "surface"),
+    "why": ("uniform", "refined"), "kind": PIECE_KINDS, "side": ("A", "B"), "graph": ("solid", "surface", "void"),
     "operation": ("continuation", *OPERATIONS), "change": (None, *EVENTS), "method": ("exact", "similarity"),
     "pairing": PAIRINGS,
 }  # fmt: skip

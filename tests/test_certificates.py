@@ -168,7 +168,7 @@ def another(value, field):
     if isinstance(value, int):
         return value + 1
     if isinstance(value, float):
-        return value * 1.001 + 1e-3
+        return value * 1.001 + 1.3e-3
     if isinstance(value, bytes):
         curve = shapely.from_wkb(value)
         return shapely.to_wkb(shapely.transform(curve, lambda points: points + [1e-3, 0.0]))

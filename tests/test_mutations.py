@@ -22,6 +22,7 @@ MODELS = {
     "nested": (solids.nested_shells(4), [0.1, 0.2, 0.97], {}),
     "torus": (solids.torus(upright=True), [0.1, 0.2, 0.97], {}),
     "flat": (solids.plate(3, upright=True), [0, 0, 1], {}),
+    "holes": (solids.plate(2), [0.1, 0.2, 0.97], {}),
     "multiple saddle": (solids.wedges([1, -1, 1, 1, -1, 1, -1, -1], 5), [0, 0, 1], {}),
     "noisy": (
         solids.unite(solids.blob(3, 2), solids.move(solids.torus(upright=True), [6, 0, 0.3])),
@@ -30,7 +31,7 @@ MODELS = {
     ),
 }
 WORDS = {
-    "why": ("uniform", "refined"), "kind": PIECE_KINDS, "side": ("A", "B"), "graph": ("solid", "surface"),
+    "why": ("uniform", "refined"), "kind": PIECE_KINDS, "side": ("A", "B"), "graph": ("solid", "surface", "void"),
     "operation": ("continuation", *OPERATIONS), "change": (None, *EVENTS), "method": ("exact", "similarity"),
 }  # fmt: skip
 # A vertex may move inside a flat and a cut between two of its vertices: the solid and the level remain the same.

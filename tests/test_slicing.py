@@ -15,8 +15,9 @@ from reebslice.errors import ReebsliceError, TooManyCrossingsError
 from reebslice.morse.critical_points import vertex_indices
 from reebslice.morse.height_mesh import height_mesh
 from reebslice.slicing.contours import measure_contours, trace_contours
+from reebslice.slicing.crowding import crowded_points
 from reebslice.slicing.levels import cut_between, make_levels, pierce, uniform_heights
-from reebslice.slicing.refinement import crowded_points, feature_scale, slice_surface
+from reebslice.slicing.refinement import feature_scale, slice_surface
 from reebslice.slicing.sampling_rule import sampling_rule
 from reebslice.slicing.slices import cut_surface
 from reebslice.slicing.tables import contours_table

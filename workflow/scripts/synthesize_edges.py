@@ -16,6 +16,7 @@ OUTPUTS = (
     "arcs.parquet",
     "solid.graphml",
     "surface.graphml",
+    "void.graphml",
     "augmented.graphml",
     "solid_simplified.graphml",
     "surface_simplified.graphml",

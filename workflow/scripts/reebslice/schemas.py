@@ -17,7 +17,7 @@ FORMAT_VERSION = "1"
 
 PIECE_KINDS = ("cylinder", "birth", "death", "join", "split", "compound", "unseen")
 OPERATIONS = ("creation", "union", "separation", "annihilation")
-GRAPHS = ("solid", "surface", "augmented", "solid_simplified", "surface_simplified")
+GRAPHS = ("solid", "surface", "void", "augmented", "solid_simplified", "surface_simplified")
 PAIRINGS = ("ordinary", "relative", "loop", "extended")
 VERDICTS = ("exact", "exact_at_feature_size", "uncertified", "rejected")
 
@@ -227,19 +227,42 @@ SCHEMAS = {
         "graph, arc",
         "An edge of a Reeb graph: a chain of links between two events.",
         ("arc", INT, "Id of the arc in its graph."),
-        ("graph", TEXT, "`solid` or `surface`."),
-        ("source", INT, "Handle at its lower end."),
-        ("target", INT, "Handle at its upper end."),
-        ("lower", REAL, "Height of the lower end.", ("unit", "mesh")),
-        ("upper", REAL, "Height of the upper end.", ("unit", "mesh")),
-        ("length", REAL, "Length of the path through its nodes.", ("unit", "mesh")),
-        ("volume", REAL, "Volume of material along it; null for the surface.", ("unit", "mesh^3"), ("null", True)),
-        ("area", REAL, "Area of surface along it; null for the solid.", ("unit", "mesh^2"), ("null", True)),
-        ("nodes", INTS, "Regions (solid) or CONTOURS (surface) along it, upward."),
+        ("graph", TEXT, "`solid`, `surface` or `void`."),
+        ("source", INT, "Handle at its lower end; of the void, -1 where the outside goes on below all."),
+        ("target", INT, "Handle at its upper end; of the void, -2 where the outside goes on above all."),
+        ("lower", REAL, "Height of the lower end; where the outside goes on, of the lowest vertex.", ("unit", "mesh")),
+        (
+            "upper",
+            REAL,
+            "Height of the upper end; where the outside goes on, of the highest vertex.",
+            ("unit", "mesh"),
+        ),
+        (
+            "length",
+            REAL,
+            "Length of the path through its nodes; null for the outside.",
+            ("unit", "mesh"),
+            ("null", True),
+        ),
+        (
+            "volume",
+            REAL,
+            "Volume of material or of void along it; null for the surface, for what ends at or is the outside, and "
+            "where a body floats in the void between two levels.",
+            ("unit", "mesh^3"),
+            ("null", True),
+        ),
+        ("area", REAL, "Area of surface along it; null for solid and void.", ("unit", "mesh^2"), ("null", True)),
+        (
+            "nodes",
+            INTS,
+            "Regions (solid), CONTOURS (surface) or contours of holes (void) along it, upward; none for the outside.",
+        ),
         (
             "bounds",
             INTS,
-            "Arcs of the other graph: those around an arc of the solid, outer first; those that a surface arc bounds.",
+            "Arcs of the surface around an arc of the solid, outer first, or of the void, holes first; arcs of the "
+            "solid that a surface arc bounds.",
         ),
         ("similarity_min", REAL, "Smallest similarity of its links; null without links.", ("null", True)),
     ),

@@ -12,6 +12,7 @@ import shapely
 
 from .checks import arcs, critical_points, form, handles, links, regions, slices, surface
 from .checks import graphs as graph_checks
+from .checks.graphs import doubts_void
 from .facts import Facts
 from .graphml import ReadGraph
 from .ledger import Ledger
@@ -61,6 +62,11 @@ UNRESOLVED = (
     "Between two levels lie critical points of {:.6g} or more, the feature size, whose order the graph does not show; "
     "take a smaller distance, or levels: {{refine: exact}}."
 )
+VOID_CROSSED = "The surface crosses itself, so contours may not tell what is void; take the parts that cross apart."
+VOID_SHARED = (
+    "Bodies share material or touch, so contours may not tell what is void; inspect: {overlaps: union} unites them."
+)
+NO_VOID = " The void has no graph here."
 HEURISTIC = "Links by a heuristic are not certified; take edges: {method: exact}."
 DIFFERENT = "The results do not fit the mesh; make the model's results anew, and if it fails again, report it."
 
@@ -104,8 +110,9 @@ def certify(
     -------
     dict
         That JSON can hold: `verdict`, `reason` (why it is uncertified and what
-        to do, else empty), figures (None where unknown) and `checks`, each by
-        name with its two sides.
+        to do, else empty), `void_verdict` and `void_reason`, the same of the
+        void's graph, figures (None where unknown) and `checks`, each by name
+        with its two sides.
 
     Notes
     -----
@@ -143,24 +150,46 @@ def certify(
             ledger.enter(f"{name}: made", False, True, says=says)
             stopped = f"the step {name!r}"
     facts.crossing = bool(facts.crossing or facts.inspection.get("self_crossings"))
-    verdict = _verdict(facts, ledger)
+    verdict = _verdict(facts, ledger, unresolved_groups(facts) if ledger.holds() else [])
     reason = _reason(facts, ledger) if verdict == "uncertified" else ""
-    return {"verdict": verdict, "reason": reason} | _figures(facts) | {"checks": ledger.checks}
+    told = {"verdict": verdict, "reason": reason} | _tell_of_void(facts, ledger, verdict)
+    return told | _figures(facts) | {"checks": ledger.checks}
 
 
-def _verdict(facts, ledger):
+def _verdict(facts, ledger, groups):
     """The verdict, from the checks and from what the graph does not show apart.
 
-    That is, critical points that share a piece or a block, and pairs that
+    That is, groups of critical points that share a piece or a block, and pairs that
     cancel inside a slab, where neither leaves a trace in the contours.
     """
     if not ledger.holds():
         return "uncertified"
-    groups, cancelled = unresolved_groups(facts), facts.cancelled.max(initial=0.0)
+    cancelled = facts.cancelled.max(initial=0.0)
     if not groups and cancelled <= facts.noise:
         return "exact"
     small = all(_small(facts, group) for group in groups) and cancelled < facts.size
     return "exact_at_feature_size" if small else "uncertified"
+
+
+def _tell_of_void(facts, ledger, verdict):
+    """What holds of the void's graph: `void_verdict`, and why it is uncertified, in a sentence.
+
+    It takes more than the verdict on the graphs of surface and solid: bodies that are apart, a surface that does
+    not cross itself, and no two events that change the void in one block of it.
+    """
+    if verdict == "uncertified":
+        return {"void_verdict": verdict, "void_reason": "The graphs of surface and solid are uncertified."}
+    if doubts_void(facts):
+        reason = (VOID_CROSSED if facts.crossing else VOID_SHARED) + ("" if "void" in facts.parts else NO_VOID)
+        return {"void_verdict": "uncertified", "void_reason": reason}
+    verdict = _verdict(facts, ledger, unresolved_groups(facts) + crowded_void(facts))
+    reason = UNRESOLVED.format(facts.size) if verdict == "uncertified" else ""
+    return {"void_verdict": verdict, "void_reason": reason}
+
+
+def crowded_void(facts):
+    """List the handles of each block of the void in which several events change it: a list of lists."""
+    return [held for held in facts.void_events or [] if len(held) > 1]
 
 
 def _reason(facts, ledger):
@@ -223,12 +252,14 @@ def _figures(facts):
         "handles": None if index is None else {str(i): int((index == i).sum()) for i in range(3)},
         "loops_surface": facts.loops_surface,
         "loops_solid": facts.loops_solid,
+        "loops_void": facts.loops_void,
         "hidden_genus": facts.hidden,
         "suppressed_loops": facts.suppressed,
         "simplified": facts.simplified,
         "compound": None if kinds is None else int((kinds == "compound").sum()),
         "unseen": None if kinds is None else int((kinds == "unseen").sum()),
         "unresolved_blocks": None if facts.block_resolved is None else int((~facts.block_resolved).sum()),
+        "unresolved_void_blocks": None if facts.void_events is None else len(crowded_void(facts)),
         "cancelled_pairs": None if cancelled is None else int((cancelled > facts.noise).sum()),
         "cancelled_persistence": None if cancelled is None else float(cancelled.max(initial=0.0)),
         "levels": None if why is None else len(why),

@@ -9,6 +9,7 @@ import numpy as np
 from .recount.curves import Curves
 from .recount.cut_surface import Recount
 from .recount.exact_levels import ExactLevels
+from .recount.graphs import VoidRegions
 from .recount.regions import Regions
 from .recount.surface import MeshEdges, Ranked
 
@@ -91,6 +92,7 @@ class Facts:
     # check_holes
     open_holes: np.ndarray = UNKNOWN  # (C,) bool, holes that a crossing leaves between two regions
     crossing: bool = UNKNOWN  # whether the surface crosses itself; check_sides looks again
+    void_regions: VoidRegions | None = UNKNOWN  # of the V regions; None too where contours do not tell what is void
 
     # check_blocks
     n_blocks: int = UNKNOWN
@@ -98,6 +100,7 @@ class Facts:
     block_above: np.ndarray = UNKNOWN  # (R,) the block above each region
     block_below: np.ndarray = UNKNOWN  # (R,) the block below each region
     handles_of_block: list = UNKNOWN  # B lists of handles, ascending
+    void_blocks: tuple | None = UNKNOWN  # those of the void: of pieces (P,), above and below regions (V,), how many
 
     # check_handles
     change: list = UNKNOWN  # P words like o->i,o
@@ -110,12 +113,14 @@ class Facts:
     similarity: np.ndarray = UNKNOWN  # of each edge
 
     # check_arcs
-    parts: dict = UNKNOWN  # {graph: GraphParts} of solid and surface
+    parts: dict = UNKNOWN  # {graph: GraphParts} of solid and surface, and of the void if there is a graph of it
+    void_events: list = UNKNOWN  # of each block of the void the handles that change it, or may do so
     arcs: dict = UNKNOWN  # {graph: {row of `arcs`: (source, target, items)}}, a graph only if its arcs are right
 
     # check_graphs, check_identities, check_simplified
     loops_solid: int = UNKNOWN  # first Betti number of the solid's graph
     loops_surface: int = UNKNOWN  # the same of the surface's
+    loops_void: int = UNKNOWN  # and of the void's
     loops_of_shell: np.ndarray = UNKNOWN  # (s,) of the surface's graph, by shell
     suppressed: int = UNKNOWN  # genus that neither loops nor pieces show
     simplified: dict = UNKNOWN  # loops, shells and nodes of the simplified graphs

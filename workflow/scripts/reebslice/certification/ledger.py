@@ -76,7 +76,7 @@ class Ledger:
 
 
 def agree(found, expected, room=None):
-    """Tell which members of two columns are equal, or differ by no more than `room`.
+    """Tell which members of two columns are equal, or differ by no more than `room`; NaN is equal to NaN then.
 
     Parameters
     ----------
@@ -88,7 +88,7 @@ def agree(found, expected, room=None):
     (n,) bool
     """
     if room is not None:
-        return np.abs(found - expected) <= room
+        return (np.abs(found - expected) <= room) | (np.isnan(found) & np.isnan(expected))
     if isinstance(found, list) or isinstance(expected, list):
         return [one == other for one, other in zip(found, expected)]
     return found == expected

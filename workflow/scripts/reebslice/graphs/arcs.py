@@ -102,7 +102,7 @@ def arc_columns(arcs, graph, joints, points, similarity, bounds):
     ----------
     arcs : list of dict
         Of :func:`trace_arcs`.
-    graph : {"solid", "surface"}
+    graph : {"solid", "surface", "void"}
     joints : dict
         Row with x, y, z and height of every joint, by its id.
     points : (R, 3) float64
@@ -110,7 +110,7 @@ def arc_columns(arcs, graph, joints, points, similarity, bounds):
     similarity : dict
         Shape similarity of pairs of items, empty where there is none.
     bounds : list of list of int
-        Arcs of the other graph, of :func:`bounding_arcs`.
+        Arcs of the surface that bound each, or of the solid that each bounds, as of :func:`bounding_arcs`.
 
     Returns
     -------
@@ -127,7 +127,7 @@ def arc_columns(arcs, graph, joints, points, similarity, bounds):
         "lower": [joints[arc["source"]]["height"] for arc in arcs],
         "upper": [joints[arc["target"]]["height"] for arc in arcs],
         "length": _path_lengths(arcs, joints, points),
-        "volume": measure if graph == "solid" else [None] * len(arcs),
+        "volume": measure if graph != "surface" else [None] * len(arcs),
         "area": measure if graph == "surface" else [None] * len(arcs),
         "nodes": [arc["nodes"] for arc in arcs],
         "bounds": bounds,

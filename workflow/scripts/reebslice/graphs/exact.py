@@ -11,7 +11,8 @@ from ..arrays.grouping import group_of_members
 from ..mesh.arguments import take_arrays, take_bodies
 from ..morse.height_mesh import height_mesh
 from ..morse.reeb_graph import critical_persistence, surface_reeb_graph
-from ..slicing.refinement import block_chains, exact_slices
+from ..slicing.crowding import block_chains
+from ..slicing.refinement import exact_slices
 
 
 class ExactGraph(NamedTuple):

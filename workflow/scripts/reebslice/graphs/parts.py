@@ -1,8 +1,8 @@
 """Parts of a Reeb graph between consecutive levels.
 
-Items are the points of the graph at a level: regions for the solid, contours
-for the surface. A part, a block or a piece, links the items below it to those
-above it. Joints are the events of a part, the nodes of the graph.
+Items are the points of the graph at a level: regions for the solid and for the
+void, contours for the surface. A part, a block or a piece, links the items below
+it to those above it. Joints are the events of a part, the nodes of the graph.
 """
 
 from typing import NamedTuple
@@ -15,7 +15,7 @@ from ..slicing.tables import block_regions
 
 
 class GraphParts(NamedTuple):
-    """Parts of a solid or of a surface, in ascending order of slab.
+    """Parts of a solid, of the void or of a surface.
 
     Attributes
     ----------
@@ -24,16 +24,13 @@ class GraphParts(NamedTuple):
     joints : list of list of int
         Handle ids of each part, ascending; none in a plain continuation, several
         in a chain of events.
-    slab : list of int
-        Slab of each part.
     measure : (B,) float64
-        Volume (solid) or area (surface) of each part.
+        Volume (solid, void) or area (surface) of each part.
     """
 
     below: list
     above: list
     joints: list
-    slab: list
     measure: np.ndarray
 
 
@@ -55,8 +52,6 @@ def solid_parts(pieces, contours, handles):
         In order of blocks.
     """
     below, above = block_regions(pieces, contours)
-    block, slab = pieces["block"].to_numpy(), np.empty(len(below), np.int32)
-    slab[block] = pieces["slab"].to_numpy()
     events = [[] for _ in below]
     persistence = handles["persistence"].to_pylist()
     for row in zip(*(handles[name].to_pylist() for name in ("handle", "block", "change"))):
@@ -66,7 +61,8 @@ def solid_parts(pieces, contours, handles):
         chain = len(lower) == len(upper) == 1 and all(EVENTS[c][4] == 0 if c else False for _, c in inside)
         numbers = [handle for handle, _ in inside]
         joints.append(numbers if chain else most_persistent(numbers, persistence))
-    return GraphParts(below, above, joints, slab.tolist(), np.bincount(block, pieces["flux"].to_numpy(), len(below)))
+    block = pieces["block"].to_numpy()
+    return GraphParts(below, above, joints, np.bincount(block, pieces["flux"].to_numpy(), len(below)))
 
 
 def most_persistent(numbers, persistence):
@@ -104,7 +100,7 @@ def surface_parts(pieces, handles):
         events[piece].append(handle)
     joints = [most_persistent(inside, persistence) for inside in events]
     columns = (pieces[name].to_pylist() for name in ("below", "above"))
-    return GraphParts(*columns, joints, pieces["slab"].to_pylist(), pieces["area"].to_numpy())
+    return GraphParts(*columns, joints, pieces["area"].to_numpy())
 
 
 def linked_parts(level, links):
@@ -139,4 +135,4 @@ def linked_parts(level, links):
         plain = len(lower) == len(upper) == 1
         joints.append([] if plain else [number])
         number += not plain
-    return GraphParts(below, above, joints, slab[first][order].tolist(), np.full(len(found), np.nan))
+    return GraphParts(below, above, joints, np.full(len(found), np.nan))

@@ -1,6 +1,7 @@
 """From slices to Reeb graphs: edges, arcs and the graphs."""
 
 from collections import Counter
+from itertools import chain
 from typing import NamedTuple
 
 import numpy as np
@@ -15,10 +16,12 @@ from ..table_checks import build_table
 from .arcs import arc_columns, bounding_arcs, trace_arcs
 from .parts import linked_parts, solid_parts, surface_parts
 from .reeb_graphs import augmented_graph, reeb_graph, simplified_graph
+from .void_graph import void_arcs
 
 METHODS = ("exact", "similarity", "proximity")
 SOLID_ATTRIBUTES = ("arc", "lower", "upper", "length", "volume", "similarity_min", "n_nodes")
 SURFACE_ATTRIBUTES = ("arc", "lower", "upper", "length", "area", "inner", "n_nodes")
+VOID_ATTRIBUTES = ("arc", "lower", "upper", "length", "volume", "outside", "n_nodes")
 # what a joint does by how many items it has below and above (many: 2)
 GUESSED = {
     (0, 1): (0, "A", "creation"),
@@ -35,6 +38,7 @@ class Synthesis(NamedTuple):
     arcs: pa.Table
     solid: Graph
     surface: Graph
+    void: Graph
     augmented: Graph
     solid_simplified: Graph
     surface_simplified: Graph
@@ -94,20 +98,31 @@ def synthesize(contours, curves, pieces, handles, nodes, rotation, feature_size,
     bounds = bounding_arcs(solid, *traced, contours["region"].to_pylist(), inner)
     solid_arcs = arc_columns(traced[0], "solid", solid_joints, material, similarity, bounds[0])
     surface_arcs = arc_columns(traced[1], "surface", surface_joints, centres, {}, bounds[1])
-    arcs = build_table("arcs", {name: solid_arcs[name] + surface_arcs[name] for name in solid_arcs})
-    rows = [row | {"n_nodes": len(row["nodes"])} for row in arcs.to_pylist()]
-    holes = [row | {"inner": inner[row["nodes"][0]] if row["nodes"] else False} for row in rows]
-    of_solid = [row for row in rows if row["graph"] == "solid"]
-    of_surface = [row for row in holes if row["graph"] == "surface"]
+    # links that were guessed leave open what is void
+    void, void_joints = void_arcs(pieces, contours, handles, centres, traced[1]) if method == "exact" else (None, {})
+    tables = [solid_arcs, surface_arcs, *([void] if void else [])]
+    arcs = build_table("arcs", {name: [*chain(*(table[name] for table in tables))] for name in solid_arcs})
+    of = _rows_by_graph(arcs, inner)
     return Synthesis(
         edges,
         arcs,
-        reeb_graph(of_solid, solid_joints, SOLID_ATTRIBUTES, "s"),
-        reeb_graph(of_surface, surface_joints, SURFACE_ATTRIBUTES, "c"),
+        reeb_graph(of["solid"], solid_joints, SOLID_ATTRIBUTES, "s"),
+        reeb_graph(of["surface"], surface_joints, SURFACE_ATTRIBUTES, "c"),
+        reeb_graph(of["void"], void_joints, VOID_ATTRIBUTES, "v"),
         augmented_graph(solid, solid_joints, nodes, similarity),
-        simplified_graph(of_solid, solid_joints, "volume", feature_size, "s"),
-        simplified_graph(of_surface, surface_joints, "area", feature_size, "c"),
+        simplified_graph(of["solid"], solid_joints, "volume", feature_size, "s"),
+        simplified_graph(of["surface"], surface_joints, "area", feature_size, "c"),
     )
+
+
+def _rows_by_graph(arcs, inner):
+    """The rows of the table `arcs` by their graph, with what the edges of the graphs tell besides."""
+    rows = {"solid": [], "surface": [], "void": []}
+    for row in arcs.to_pylist():
+        nodes = row["nodes"]
+        row |= {"n_nodes": len(nodes), "inner": inner[nodes[0]] if nodes else False, "outside": not nodes}
+        rows[row["graph"]].append(row)
+    return rows
 
 
 def block_links(pieces, contours):

@@ -1,4 +1,4 @@
-"""Checks of the arcs: chains of links between events, and which arcs of the surface bound which of the solid.
+"""Checks of the arcs: chains of links between events, and which arcs of the surface bound which of solid and void.
 
 Each takes the :class:`facts.Facts` known so far and a ledger to enter its findings in;
 what it recomputes it leaves in the facts for later checks.
@@ -9,39 +9,49 @@ from itertools import pairwise
 import numpy as np
 
 from ..recount.graphs import find_arcs
+from ..recount.ranges import list_members
 from .links import find_largest
+
+MEASURES = {"solid": ("volume", "area"), "surface": ("area", "volume"), "void": ("volume", "area")}
 
 
 def check_arcs(facts, ledger):
     """Arcs are the maximal chains between joints, with their sums."""
     t, facts.arcs = facts.columns.arcs, {}
     levels = {"solid": facts.columns.nodes["level"], "surface": facts.columns.contours["level"]}
-    for graph, parts in facts.parts.items():
-        expected, odd = find_arcs(parts, levels[graph])
-        ledger.enter(f"arcs.{graph}.parts_that_no_arc_passes", len(odd), 0)
+    levels |= {"void": facts.void_regions.level} if "void" in facts.parts else {}
+    for graph in MEASURES:
         rows = np.flatnonzero(t["graph"] == graph)
+        found, odd = find_arcs(facts.parts[graph], levels[graph]) if graph in levels else ({}, ())
+        expected = {(*key[:2], tuple(_name_items(facts, graph, key[2]))): key for key in found}
+        ledger.enter(f"arcs.{graph}.parts_that_no_arc_passes", len(odd), 0)
         keys = [(int(t["source"][r]), int(t["target"][r]), tuple(t["nodes"][r])) for r in rows]
         ledger.enter(f"arcs.{graph}.number", len(keys), len(expected))
         ledger.enter(f"arcs.{graph}.distinct", len(set(keys)), len(keys))
         ledger.rows(f"arcs.{graph}.chain", [key in expected for key in keys], "a maximal chain between two events")
-        if all(key in expected for key in keys):
+        if graph in levels and all(key in expected for key in keys):
+            keys = [expected[key] for key in keys]
             facts.arcs[graph] = dict(zip(rows.tolist(), keys))
-            _check_measures(facts, ledger, graph, rows, keys, np.array([expected[key] for key in keys]))
+            _check_measures(facts, ledger, graph, rows, keys, np.array([found[key] for key in keys]))
     _check_similarity(facts, ledger, t)
-    if len(facts.arcs) == 2:
+    if facts.arcs.keys() >= {"solid", "surface"}:
         _check_bounds(facts, ledger, t)
+
+
+def _name_items(facts, graph, items):
+    """Items as the column `nodes` tells them: of the void the contours of holes, of the outside nothing."""
+    if graph != "void":
+        return items
+    hole = facts.void_regions.hole
+    return [int(hole[item]) for item in items if item < len(hole)]
 
 
 def _check_measures(facts, ledger, graph, rows, keys, wanted):
     """Volumes or areas, heights of the ends and lengths of arcs; wanted : volume or area of each."""
-    t, height, parts = facts.columns.arcs, facts.columns.handles["height"], facts.parts[graph]
-    measure, other, total, noise = {
-        "solid": ("volume", "area", facts.volume, facts.volume_noise),
-        "surface": ("area", "volume", facts.area, facts.area_noise),
-    }[graph]
+    t, (measure, other), parts = facts.columns.arcs, MEASURES[graph], facts.parts[graph]
+    height, noise = extend_ends(facts.columns.handles["height"]), getattr(facts, f"{measure}_noise")
     of_graph = {column: values[rows] for column, values in t.items() if isinstance(values, np.ndarray)}
-    points = _path_points(facts)[graph]
-    length = np.array([_length(facts, key, points) for key in keys])
+    length = _path_lengths(facts, graph, keys)
     ledger.compare(
         f"arcs.{graph}", of_graph,
         ("arc", np.arange(len(rows)), "counted from 0"),
@@ -51,24 +61,34 @@ def _check_measures(facts, ledger, graph, rows, keys, wanted):
         ("length", length, "length along its points", 1e-9 * length + facts.noise),
     )  # fmt: skip
     ledger.rows(f"arcs.{graph}.no_{other}", np.isnan(of_graph[other]), f"the {graph} graph has no {other}")
+    if graph == "void":  # most of it is the outside's
+        return
     touched = np.bincount(np.concatenate([parts.above, parts.below]), minlength=len(parts.joints)) > 0
     alone = sum(parts.measure[p] for p, joints in enumerate(parts.joints) if len(joints) == 1 and not touched[p])
-    ledger.close(f"arcs.{graph}.total_{measure}", np.nansum(of_graph[measure]) + alone, total, 100 * noise)
+    total = np.nansum(of_graph[measure]) + alone
+    ledger.close(f"arcs.{graph}.total_{measure}", total, getattr(facts, measure), 100 * noise)
 
 
-def _path_points(facts):
-    """Points (I, 3) in the model frame that arcs pass, per graph."""
+def extend_ends(column):
+    """Append to a column of `handles` what -2 and -1 stand for: the highest and the lowest, in order of height."""
+    return np.append(column, column[[-1, 0]])
+
+
+def _path_lengths(facts, graph, keys):
+    """Lengths of the paths from the lower event of each arc along its points to the upper one; NaN for the outside."""
     nodes, contours = facts.columns.nodes, facts.columns.contours
-    centres = np.column_stack([facts.centres, contours["height"]]) @ facts.rotation
-    return {"solid": np.stack([nodes[k] for k in "xyz"], axis=1), "surface": centres}
-
-
-def _length(facts, key, points):
-    """Length of the path from the lower event of an arc along its points to the upper one."""
-    source, target, items = key
-    ends = np.stack([column[facts.columns.handles["vertex"][[source, target]]] for column in facts.points], axis=-1)
-    path = np.concatenate([ends[:1], points[list(items)].reshape(-1, 3), ends[1:]])
-    return float(np.linalg.norm(np.diff(path, axis=0), axis=1).sum())
+    if graph == "solid":
+        points = np.stack([nodes[k] for k in "xyz"], axis=1)
+    else:
+        points = np.column_stack([facts.centres, contours["height"]]) @ facts.rotation
+    vertex, lengths = extend_ends(facts.columns.handles["vertex"]), []
+    spots = np.stack([column[vertex] for column in facts.points], axis=-1)
+    for source, target, items in keys:
+        items = list(_name_items(facts, graph, items))
+        path = np.concatenate([spots[[source]], points[items].reshape(-1, 3), spots[[target]]])
+        length = np.linalg.norm(np.diff(path, axis=0), axis=1).sum()
+        lengths.append(np.nan if graph == "void" and not items else length)
+    return np.array(lengths)
 
 
 def _check_similarity(facts, ledger, t):
@@ -108,6 +128,21 @@ def _check_bounds(facts, ledger, t):
         whole.append(all(low[1] == high[0] for low, high in pairwise(steps)))
     ledger.rows("arcs.surface.bounds", stated, "the solid arcs whose regions its contours bound, upward")
     ledger.rows("arcs.surface.bounds_a_path", whole, "a path in the solid's graph between the arc's own two events")
+    if "void" in facts.arcs:
+        _check_void_bounds(facts, ledger, t, wall, hole)
+
+
+def _check_void_bounds(facts, ledger, t, wall, hole):
+    """The surface arcs next to the regions along each arc of the void, those of holes first.
+
+    wall : (C,) surface arc of each contour; hole : {surface arc: whether its contours are holes}
+    """
+    regions, holds = facts.void_regions, []
+    beside = list_members(regions.of_contour, len(regions.level))
+    for row, (_, _, items) in facts.arcs["void"].items():
+        expected = set(wall[[contour for item in items for contour in beside[item]]].tolist())
+        holds.append(t["bounds"][row] == sorted(expected, key=lambda arc: (not hole[arc], arc)))
+    ledger.rows("arcs.void.bounds", holds, "the surface arcs next to its regions, those of holes first")
 
 
 def _walls_in_chains(facts, wall, walls):

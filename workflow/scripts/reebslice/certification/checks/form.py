@@ -17,7 +17,7 @@ WORDS = {
     ("levels", "why"): ("uniform", "refined"), ("pieces", "kind"): PIECE_KINDS, ("handles", "side"): ("A", "B"),
     ("handles", "operation"): OPERATIONS, ("handles", "change"): (None, *EVENTS), ("handles", "index"): (0, 1, 2),
     ("edges", "operation"): ("continuation", *OPERATIONS), ("edges", "method"): ("exact", "similarity", "proximity"),
-    ("arcs", "graph"): ("solid", "surface"), ("critical_points", "pairing"): PAIRINGS,
+    ("arcs", "graph"): ("solid", "surface", "void"), ("critical_points", "pairing"): PAIRINGS,
 }  # fmt: skip
 
 

@@ -1,4 +1,4 @@
-"""Checks of the three graphs as labelled multigraphs, and of the identities of the whole.
+"""Checks of the graphs as labelled multigraphs, and of the identities of the whole.
 
 Each takes the :class:`facts.Facts` known so far and a ledger to enter its findings in;
 what it recomputes it leaves in the facts for later checks.
@@ -13,32 +13,44 @@ from ..recount.graphs import count_loops, find_augmented_edges
 
 SOLID_COLUMNS = ("arc", "lower", "upper", "length", "volume", "similarity_min")
 SURFACE_COLUMNS = ("arc", "lower", "upper", "length", "area")
-HANDLE_COLUMNS = ("handle", "x", "y", "z", "height", "index", "side", "operation", "change", "branches")
+VOID_COLUMNS = ("arc", "lower", "upper", "length", "volume")
+POSITION = ("x", "y", "z", "height")
+HANDLE_COLUMNS = ("handle", *POSITION, "index", "side", "operation", "change", "branches")
 NODE_COLUMNS = ("node", "level", "region", "x", "y", "z", "height", "critical", "area", "inscribed_radius", "n_holes")
 
 
 def check_graphs(facts, ledger):
-    """The three graphs as labelled multigraphs, with their attributes."""
-    for graph, prefix, columns in (("solid", "s", SOLID_COLUMNS), ("surface", "c", SURFACE_COLUMNS)):
+    """The graphs as labelled multigraphs, with their attributes; that of the void is empty where it is not told."""
+    graphs = {"solid": ("s", SOLID_COLUMNS), "surface": ("c", SURFACE_COLUMNS), "void": ("v", VOID_COLUMNS)}
+    for graph, (prefix, columns) in graphs.items():
+        if graph not in facts.parts:
+            ledger.enter("void.nodes and edges", [len(part) for part in facts.graphs["void"]], [0, 0])
+            continue
         _check_nodes(facts, ledger, graph)
         if graph not in facts.arcs:
             ledger.enter(f"{graph}.edges", False, True, says="Its arcs differ from those of the mesh.")
             continue
         arcs, inner, expected = _rows(facts.columns.arcs, columns), facts.columns.contours["inner"], {}
-        for row, (source, target, items) in facts.arcs[graph].items():
-            name = f"{prefix}{arcs[row]['arc']}"
+        for row, (source, target, _) in facts.arcs[graph].items():
+            name, items = f"{prefix}{arcs[row]['arc']}", facts.columns.arcs["nodes"][row]
             data = arcs[row] | {"id": name, "n_nodes": len(items)}
             data |= {"inner": bool(items and inner[items[0]])} if graph == "surface" else {}
-            expected[name] = sorted((f"h{source}", f"h{target}")), data
+            data |= {"outside": not items} if graph == "void" else {}
+            expected[name] = sorted((_name_node(source), _name_node(target))), data
         stated = {str(key): (sorted((a, b)), data) for a, b, key, data in facts.graphs[graph].edges}
         ledger.enter(f"{graph}.number_of_edges", len(facts.graphs[graph].edges), len(expected))
         ledger.enter(f"{graph}.edges", stated.keys() == expected.keys(), True)
         both = [(stated[key], expected[key]) for key in sorted(stated.keys() & expected.keys())]
         ledger.rows(f"{graph}.ends", [one[0] == other[0] for one, other in both], "the two events of the arc")
         same = [_hold(one[1], other[1]) for one, other in both]
-        ledger.rows(f"{graph}.edge_attributes", same, "the columns of the arc, and whether its contours are holes")
+        ledger.rows(f"{graph}.edge_attributes", same, "the columns of the arc, and what its contours are")
     _check_augmented(facts, ledger)
     _count_loops(facts, ledger)
+
+
+def _name_node(number):
+    """The name of the node of a handle, or of where the outside goes on below all, -1, and above all, -2."""
+    return f"h{number}" if number >= 0 else f"b{-1 - number}"
 
 
 def _rows(table, columns):
@@ -61,15 +73,15 @@ def _same(found, expected):
 
 
 def _check_nodes(facts, ledger, graph):
-    """The nodes of a graph and their attributes, against the tables handles and nodes.
-
-    The node of a handle counts it and the handles of its part that are no nodes.
-    """
-    kind, column = ("surface", "piece") if graph == "surface" else ("solid", "block")
-    part, handles = facts.columns.handles[column].tolist(), _rows(facts.columns.handles, HANDLE_COLUMNS)
-    joints = sorted(h for members in facts.parts[kind].joints for h in members)
-    others = Counter(part) - Counter(part[h] for h in joints)
-    expected = {f"h{h}": handles[h] | {"n_handles": 1 + others[part[h]]} for h in joints}
+    """The nodes of a graph and their attributes, against the tables handles and nodes."""
+    handles = _rows(facts.columns.handles, HANDLE_COLUMNS)
+    counts = _count_handles(facts, {"augmented": "solid"}.get(graph, graph))
+    expected = {f"h{h}": handles[h] | {"n_handles": count} for h, count in counts.items() if h >= 0}
+    if graph == "void":
+        expected = {name: data | {"branches": None} for name, data in expected.items()}
+        for number, end in ((-1, handles[0]), (-2, handles[-1])):  # at the lowest and the highest vertex
+            place = {name: end[name] if name in POSITION else None for name in HANDLE_COLUMNS}
+            expected[_name_node(number)] = place | {"n_handles": 0}
     if graph == "augmented":
         expected = {name: data | {"kind": "handle"} for name, data in expected.items()}
         points = enumerate(_rows(facts.columns.nodes, NODE_COLUMNS))
@@ -78,6 +90,19 @@ def _check_nodes(facts, ledger, graph):
     ledger.enter(f"{graph}.nodes", sorted(stated) == sorted(expected), True)
     same = [name in expected and _hold(data, expected[name]) for name, data in stated.items()]
     ledger.rows(f"{graph}.node_attributes", same, "the columns of the handle or node, and how many handles it counts")
+
+
+def _count_handles(facts, graph):
+    """How many handles each node of a graph counts: itself, and those of its part that are no nodes; {joint: count}.
+
+    In the void's graph these are the ones that change the void.
+    """
+    joints = [h for members in facts.parts[graph].joints for h in members]
+    if graph == "void":
+        return {h: len(held) for members, held in zip(facts.parts[graph].joints, facts.void_events) for h in members}
+    part = facts.columns.handles["piece" if graph == "surface" else "block"].tolist()
+    others = Counter(part) - Counter(part[h] for h in joints)
+    return {h: 1 + others[part[h]] for h in joints}
 
 
 def _check_augmented(facts, ledger):
@@ -114,6 +139,32 @@ def _count_loops(facts, ledger):
         ledger.enter(f"{graph}.components", [int(part.max(initial=-1)) + 1, together], [wanted, wanted])
         nodes, low = np.bincount(group, minlength=n), np.array(pairs, np.int64).reshape(-1, 2)[:, 0]
         facts.loops_of_shell = np.where(nodes > 0, np.bincount(group[low], minlength=n) - nodes + 1, 0)
+    if "void" in facts.parts:
+        _count_void_loops(facts, ledger)
+
+
+def _count_void_loops(facts, ledger):
+    """Components and loops of the void's graph as it is read, which are those of the surface that the solid's are not.
+
+    At a height, regions of solid and void with the contours between them are a tree, and so are their blocks with the
+    pieces between them in a slab. So the homology of the surface's graph is the sum of the other two's
+    (Mayer-Vietoris): of bodies that are apart and of a surface that does not cross itself.
+    """
+    graph = facts.graphs["void"]
+    place = {node: k for k, node in enumerate(graph.nodes)}
+    pairs = [(place[a], place[b]) for a, b, *_ in graph.edges if a in place and b in place]
+    loops, part = count_loops(len(place), pairs)
+    facts.loops_void = int(loops)
+    if not doubts_void(facts):
+        ledger.enter("void.components", int(part.max(initial=-1)) + 1, 1 + facts.voids)
+        ledger.enter("loops_surface = loops_solid + loops_void", facts.loops_solid + int(loops), facts.loops_surface)
+
+
+def doubts_void(facts):
+    """Tell whether contours may not tell what is void: where sheets cross, or bodies share material or touch."""
+    told = any(facts.inspection.get(f"{which}_crossings") for which in ("self", "body"))
+    unsure = facts.open["contours of unsure parent"] > 0
+    return bool("void" not in facts.parts or facts.crossing or facts.entangled or told or unsure)
 
 
 def check_identities(facts, ledger):

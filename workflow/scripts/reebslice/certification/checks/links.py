@@ -7,9 +7,11 @@ what it recomputes it leaves in the facts for later checks.
 import numpy as np
 import shapely
 
+from ...schemas import EVENTS
 from ..recount.graphs import GraphParts, list_items
 from ..recount.ranges import list_members
 from ..recount.regions import build_polygons, find_regions, look_around, share
+from .regions import find_floating
 
 
 def check_nodes(facts, ledger):
@@ -71,7 +73,7 @@ def _check_material(facts, ledger, t):
 def check_edges(facts, ledger):
     """The links are those of the blocks, and carry the similarities of their regions."""
     t, level = facts.columns.edges, facts.columns.nodes["level"]
-    facts.parts = {"solid": _solid_parts(facts), "surface": _surface_parts(facts)}
+    facts.parts = {"solid": _solid_parts(facts), "surface": _surface_parts(facts), **_void_parts(facts)}
     rows = zip(*list_items(facts.parts["solid"]), facts.parts["solid"].joints)
     links = {(a, b): joints[0] if joints else -1 for low, high, joints in rows for a in low for b in high}
     stated = list(zip(t["source"].tolist(), t["target"].tolist()))
@@ -126,6 +128,28 @@ def _surface_parts(facts):
     handles = list_members(facts.columns.handles["piece"], len(facts.kinds))
     joints = [find_largest(facts, members) for members in handles]
     return GraphParts(facts.recount.above, facts.recount.below, joints, facts.recount.piece_area)
+
+
+def _void_parts(facts):
+    """The blocks of the void as parts, {"void": parts}; {} where contours do not tell what is void.
+
+    The outside goes on below all at the joint -1, above all at -2.
+    """
+    if facts.void_regions is None:
+        return {}
+    (of_piece, above, below, n), regions, t = facts.void_blocks, facts.void_regions, facts.columns.handles
+    floating, outside = find_floating(facts), slice(len(regions.hole), None)
+    counts = [change not in EVENTS or EVENTS[change][3] != 0 for change in t["change"]]
+    events = np.flatnonzero(np.array(counts, bool) & ~np.isin(t["piece"], floating))
+    facts.void_events = list_members(of_piece[t["piece"][events]], n, events)
+    joints = [find_largest(facts, members) for members in facts.void_events]
+    joints[below[outside][0]], joints[above[-1]] = [-1], [-2]
+    measure = -np.bincount(of_piece, facts.recount.flux, n)
+    measure[of_piece[np.isin(facts.recount.slab, facts.recount.slab[floating])]] = np.nan
+    measure[above[outside]] = measure[below[outside]] = np.nan
+    parts = GraphParts(above, below, joints, measure)
+    plain = [len(low) == len(high) == 1 for low, high in zip(*list_items(parts))]
+    return {"void": parts} if all(flag or named for flag, named in zip(plain, joints)) else {}
 
 
 def find_largest(facts, handles):

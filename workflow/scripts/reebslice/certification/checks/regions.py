@@ -1,4 +1,4 @@
-"""Checks of holes, regions and the blocks of the solid between levels.
+"""Checks of holes, regions and the blocks of solid and void between levels.
 
 Each takes the :class:`facts.Facts` known so far and a ledger to enter its findings in;
 what it recomputes it leaves in the facts for later checks.
@@ -7,7 +7,7 @@ what it recomputes it leaves in the facts for later checks.
 import numpy as np
 import shapely
 
-from ..recount.graphs import find_blocks, find_chains
+from ..recount.graphs import find_blocks, find_chains, find_void_regions
 from ..recount.holes import ContourNesting, find_hosts, find_parents
 from ..recount.ranges import list_members
 
@@ -30,6 +30,7 @@ def check_holes(facts, ledger):
     ledger.rows("contours.parent", unsure | (stated == parent), "the smallest contour around it")
     facts.open["holes between two regions"] = facts.open_holes.sum()
     facts.open["contours of unsure parent"] = (unsure & (stated != parent)).sum()
+    facts.void_regions = find_void_regions(inner, stated, t["region"], t["level"], len(facts.levels["height"]))
     lonely = inner & (parent < 0) & ~unsure
     nested = ~inner & (stated >= 0) & ~inner[stated] & (body == body[stated])
     seen = facts.crossing or nest.crosses_itself(body)
@@ -72,12 +73,12 @@ def _check_regions(facts, ledger, inner, host):
 
 
 def check_blocks(facts, ledger):
-    """Components of the solid in each slab."""
+    """Components of the solid, and of the void, in each slab."""
     found, region = facts.recount, facts.columns.contours["region"].astype(np.int64)
     hosts, lost = _host_voids(facts)
     ledger.enter("voids_within_a_slab_without_a_host", lost, 0)
     sizes, stated = (len(facts.kinds), len(facts.columns.nodes["node"])), facts.columns.pieces["block"].astype(np.int64)
-    block, above, below, n = find_blocks(found.above, found.below, region, *sizes, hosts)
+    block, above, below, n = find_blocks(found.above, found.below, region, *sizes, sorted(hosts.items()))
     pairs = np.unique(np.stack([block, stated]), axis=1).shape[1]
     ledger.enter("blocks", [len(np.unique(stated)), pairs], [n, n])
     if not (len(np.unique(stated)) == pairs == n):
@@ -90,6 +91,25 @@ def check_blocks(facts, ledger):
         raise ValueError("a handle names a block of which no piece is part")
     facts.handles_of_block = list_members(facts.columns.handles["block"], top)
     _check_open_holes(facts, ledger, found)
+    if facts.void_regions is not None:
+        facts.void_blocks = _find_void_blocks(facts, found)
+
+
+def _find_void_blocks(facts, found):
+    """The blocks of the void, as of :func:`find_blocks`; the outside is one block in each slab.
+
+    A body within one slab counts as in the outside, of which it changes nothing.
+    """
+    regions, n_pieces = facts.void_regions, len(facts.kinds)
+    first, n_regions = n_pieces + len(regions.hole), len(regions.level)
+    links = [(up, up + n_regions + 1) for up in range(first, n_pieces + n_regions - 1)]
+    links += [(first + 1 + int(found.slab[piece]), piece) for piece in find_floating(facts).tolist()]
+    return find_blocks(found.above, found.below, regions.of_contour, n_pieces, n_regions, links)
+
+
+def find_floating(facts):
+    """Find the pieces that are bodies within one slab."""
+    return np.flatnonzero((facts.kinds == "unseen") & ~facts.void[facts.recount.piece_shell])
 
 
 def _host_voids(facts):

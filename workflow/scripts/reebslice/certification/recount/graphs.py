@@ -1,4 +1,4 @@
-"""Blocks, arcs and the three graphs, built again from recounted facts.
+"""Blocks, arcs and the graphs, built again from recounted facts.
 
 The chains of plain parts are found as connected components rather
 than by walking upward, and each graph is compared as a multigraph, node by
@@ -15,7 +15,7 @@ from .ranges import list_members
 
 
 class GraphParts(NamedTuple):
-    """What lies between consecutive levels: blocks of the solid or pieces of the surface.
+    """What lies between consecutive levels: blocks of the solid or of the void, or pieces of the surface.
 
     above, below : (I,) the part on either side of each item (region, contour)
     joints : handle ids that are nodes in each part, ascending
@@ -28,8 +28,46 @@ class GraphParts(NamedTuple):
     measure: np.ndarray
 
 
-def find_blocks(piece_above, piece_below, region, n_pieces, n_regions, hosts):
-    """Find the blocks of the solid: components of the bipartite graph of pieces and the two sides of regions.
+class VoidRegions(NamedTuple):
+    """Regions of the void at K levels: first the insides of H holes, then the outside, below all, at each level, above.
+
+    hole : (H,) the contours of the holes
+    of_contour : (C,) the region on the void's side of each contour
+    level : (H + K + 2,) that of each region; -1 and K of the outside below and above all
+    """
+
+    hole: np.ndarray
+    of_contour: np.ndarray
+    level: np.ndarray
+
+
+def find_void_regions(inner, parent, region, level, n_levels):
+    """Find the regions of the void: what is in a hole and in no contour in it, and what is in no contour.
+
+    Parameters
+    ----------
+    inner, parent, region, level : (C,)
+        Whether each contour bounds a hole, the smallest contour around it or -1, its region of the solid, its level.
+    n_levels : int
+
+    Returns
+    -------
+    VoidRegions or None
+        None unless each hole is directly inside the outer contour of its region, and each outer contour directly
+        inside a hole or none.
+    """
+    hole, outermost = np.flatnonzero(inner), parent < 0
+    if (inner & outermost).any() or (inner[parent] == inner)[~outermost].any():
+        return None
+    if (region[parent[hole]] != region[hole]).any():
+        return None
+    number = np.cumsum(inner) - 1  # of holes among holes
+    of_contour = np.where(inner, number, np.where(outermost, len(hole) + 1 + level, number[parent]))
+    return VoidRegions(hole, of_contour, np.concatenate([level[hole], np.arange(-1, n_levels + 1)]))
+
+
+def find_blocks(piece_above, piece_below, region, n_pieces, n_regions, links=()):
+    """Find the blocks of solid or void: components of the bipartite graph of pieces and the two sides of regions.
 
     Parameters
     ----------
@@ -38,8 +76,8 @@ def find_blocks(piece_above, piece_below, region, n_pieces, n_regions, hosts):
     region : (C,) int
         The region of each contour.
     n_pieces, n_regions : int
-    hosts : dict
-        {piece of a closed void inside a slab: a piece of the block around it}.
+    links : list of (int, int)
+        What hangs together besides; pieces count from 0, then upper sides of regions, then lower ones.
 
     Returns
     -------
@@ -48,7 +86,7 @@ def find_blocks(piece_above, piece_below, region, n_pieces, n_regions, hosts):
         The block on either side of each region.
     count : int
     """
-    extra = np.array(sorted(hosts.items()), np.int64).reshape(-1, 2)
+    extra = np.array(links, np.int64).reshape(-1, 2)
     ends = np.concatenate([n_pieces + region, n_pieces + n_regions + region, extra[:, 0]])
     pieces = np.concatenate([piece_above, piece_below, extra[:, 1]])
     size = n_pieces + 2 * n_regions
