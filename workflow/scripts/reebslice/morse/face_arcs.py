@@ -66,12 +66,31 @@ def label_faces(points: Any, faces: ArrayLike | None = None, rotation: ArrayLike
     """
     points, corners = take_mesh(points, faces)
     mesh = height_mesh(points, corners, rotation)
-    labels = label_arcs(mesh, surface_reeb_graph(mesh))
+    return arcs_of_faces(mesh, surface_reeb_graph(mesh), corners)
+
+
+def arcs_of_faces(mesh, graph, faces):
+    """Do as :func:`label_faces` with what the pipeline has at hand.
+
+    Parameters
+    ----------
+    mesh : HeightMesh
+    graph : ReebGraph
+        The mesh's.
+    faces : (m, 3) int
+        That the mesh was made of.
+
+    Returns
+    -------
+    (m,) int32
+        As of :func:`label_faces`.
+    """
+    labels = label_arcs(mesh, graph)
     # unfolding adds faces without area between the copies of a saddle, and puts all into another order
     found = mesh.vertex[mesh.faces]
     kept = (found != np.roll(found, 1, axis=1)).all(axis=1)
-    arcs = np.empty(len(corners), np.int32)
-    arcs[_order_of_faces(corners)] = labels.of_face[kept][_order_of_faces(found[kept])]
+    arcs = np.empty(len(faces), np.int32)
+    arcs[_order_of_faces(faces)] = labels.of_face[kept][_order_of_faces(found[kept])]
     return arcs
 
 
