@@ -1,9 +1,8 @@
 """Make every model's page: `view.html`, one file that loads nothing, and `model.glb`, the scene that it shows."""
 
-import numpy as np
-
 from corpus.stages import run_batch
 from corpus.storage import read_blocks, read_json, read_table, write_text
+from corpus.surfaces import read_rotation, read_shells
 from reebslice.drawing.embedded_graphs import SHOWN
 from reebslice.drawing.model import read_graph
 from reebslice.drawing.page import Told, make_page
@@ -11,7 +10,7 @@ from reebslice.drawing.page_model import gather_model
 from reebslice.slicing.tables import contour_curves
 
 OUTPUTS = ("model.glb", "view.html")
-TABLES = ("vertices", "faces", "shells", "levels", "contours", "nodes", "arcs")
+TABLES = ("vertices", "faces", "levels", "contours", "nodes", "arcs")
 
 
 def main(source, target, options):
@@ -23,8 +22,9 @@ def main(source, target, options):
     curves = contour_curves(tables["contours"], read_blocks(source / "contours.parquet", "contours", "geometry"))
     graphs = {name: read_graph(source / f"{name}.graphml") for name in SHOWN}
     certificate = read_json(source / "certificate.json")
-    rotation = np.array(read_json(source / "tilt.json")["rotation"], float)
-    model, notes = gather_model(tables, curves, graphs, rotation, certificate.get("feature_size") or 0.0)
+    rotation = read_rotation(source)
+    body = read_shells(source, tables["vertices"].num_rows)[1]
+    model, notes = gather_model(tables, body, curves, graphs, rotation, certificate.get("feature_size") or 0.0)
     told = Told(source.name, read_json(source / "inspection.json"), certificate)
     glb, html = make_page(told, model, options["faces"], notes)
     (target / "model.glb").write_bytes(glb)

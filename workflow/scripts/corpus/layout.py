@@ -16,14 +16,15 @@ BEFORE = {
     "synthesize_edges": "sample_nodes",
     "certify": "synthesize_edges",
     "draw": "certify",
+    "view": "certify",
     "find_pockets": "classify_handles",
     "find_loops": "classify_handles",
     "compare_links": "inspect_mesh",
 }
 # Those of the default target; the others are asked for by name.
 STAGES = tuple(stage for stage in BEFORE if stage != "compare_links")
-# Of these, those that a group of the configuration switches off by `find: false`.
-SIDE_STAGES = {"find_pockets": "pockets", "find_loops": "loops"}
+# Of these, those that a key in a group of the configuration switches off.
+SIDE_STAGES = {"find_pockets": ("pockets", "find"), "find_loops": ("loops", "find"), "view": ("view", "pages")}
 
 
 def line_to(stage):
@@ -39,7 +40,8 @@ def line_behind(stage):
 
 def chosen_stages(config):
     """Return the stages of the default target that the checked configuration wants."""
-    return tuple(stage for stage in STAGES if stage not in SIDE_STAGES or config[SIDE_STAGES[stage]]["find"])
+    wanted = {stage: config[group][key] for stage, (group, key) in SIDE_STAGES.items()}
+    return tuple(stage for stage in STAGES if wanted.get(stage, True))
 
 
 MODELS_FOLDER = Path("results/models")

@@ -18,13 +18,15 @@ MOST_LOOPS = 400
 MOST_POCKETS = 40  # of pockets, and of islands
 
 
-def gather_model(tables, curves, graphs, rotation, size):
+def gather_model(tables, body, curves, graphs, rotation, size):
     """Gather what the page of a model shows.
 
     Parameters
     ----------
     tables : dict of pyarrow.Table
-        vertices, faces, shells, levels, contours (without `geometry`), nodes and arcs.
+        vertices, faces, levels, contours (without `geometry`), nodes and arcs.
+    body : (n,) int
+        Of every vertex.
     curves : Curves
         Those of the contours.
     graphs : dict of str to Graph
@@ -45,7 +47,6 @@ def gather_model(tables, curves, graphs, rotation, size):
     contours, arcs = tables["contours"], tables["arcs"]
     material = stack_columns(tables["nodes"], "xyz")
     embedded = embed_graphs(graphs, arcs.to_pylist(), material, contour_centres(contours, curves, rotation))
-    body = _bodies_of_vertices(tables, len(points))
     loops, notes = _find_loops(points, faces, rotation, body)
     pockets, more = _find_pockets(points, faces, rotation, body, size)
     notes += more + [
@@ -56,15 +57,6 @@ def gather_model(tables, curves, graphs, rotation, size):
     heights = tables["levels"]["height"].to_numpy()
     owners = arcs_of_contours(arcs, contours.num_rows)
     return Model(points, faces, labels, owners, rotation, heights, contours, curves, embedded, loops, pockets), notes
-
-
-def _bodies_of_vertices(tables, count):
-    """The body of every vertex (n,)."""
-    body = np.zeros(count, np.int32)
-    of_face = tables["shells"]["body"].to_numpy()[tables["faces"]["shell"].to_numpy()]
-    for corner in "abc":
-        body[tables["faces"][corner].to_numpy()] = of_face
-    return body
 
 
 def _find_loops(points, faces, rotation, body):
