@@ -4,7 +4,8 @@
 
 // The scene: binary glTF, its JSON, and what that tells of the whole and of each part.
 let [BYTES, SCENE, FACTS, PARTS] = [];
-const state = { graph: null, lit: null, kept: null, level: 0 };
+const HINT = "Point at a line, a node or the surface to see its figures; click to keep them.";
+const state = { graph: null, lit: undefined, kept: null, level: 0 };
 const find = (selector) => document.querySelector(selector);
 const all = (selector) => [...document.querySelectorAll(selector)];
 let view = null;
@@ -118,6 +119,9 @@ function light(what) {
     const place = what.kind === "arc" || what.kind === "node" ? `[data-graph="${state.graph}"] ` : "";
     all(`${place}[data-${what.kind}="${what.number}"]:not(.hit)`).forEach((lit) => lit.classList.add("lit"));
     showFigures(what);
+  } else {
+    find("#told").replaceChildren();
+    element("p", HINT, find("#told"));
   }
   view?.light(what);
 }
