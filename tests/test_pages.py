@@ -2,6 +2,7 @@
 
 import base64
 import hashlib
+import html
 import io
 import itertools
 import json
@@ -450,8 +451,9 @@ def test_pages_can_be_switched_off():
 def browse(*arguments):
     """Run a headless browser on a page: its standard output, and what the page's console says."""
     command = [BROWSER, "--headless=new", "--no-sandbox", "--disable-dev-shm-usage", "--enable-logging=stderr"]
-    timing = ["--virtual-time-budget=20000", "--timeout=60000"]
-    done = subprocess.run([*command, *timing, *arguments], capture_output=True, text=True, check=True, timeout=180)
+    done = subprocess.run(
+        [*command, "--virtual-time-budget=20000", *arguments], capture_output=True, text=True, check=True, timeout=180
+    )
     return done.stdout, re.findall(r"CONSOLE\S*\] (.*)", done.stderr)
 
 
@@ -469,6 +471,78 @@ def test_a_browser_shows_the_model_in_space(made, tmp_path):
     stage = picture[150:600, 40:600]
     assert (np.ptp(stage, axis=2) > 8).mean() > 0.05  # the surface, bluish, and the slice
     assert (stage.max(axis=2) < 60).sum() > 100  # the arcs
+
+
+USER = """
+const wait = (ms) => new Promise((done) => setTimeout(done, ms));
+const lit = () =>
+  all("svg.flat:not([hidden]) .lit, .arcs:not([hidden]) tr.lit").map((one) => one.dataset.arc ?? one.dataset.node);
+(async () => {
+  while (!document.body.dataset.ready) await wait(50);
+  const seen = {};
+  const note = (name) => { seen[name] = { lit: lit(), told: document.querySelector("#told").innerText }; };
+  const drawn = document.querySelector("svg.flat:not([hidden])");
+  note("start");
+  drawn.querySelector('.hit[data-arc="1"]').dispatchEvent(new PointerEvent("pointerenter"));
+  note("flat arc");
+  drawn.querySelector('.hit[data-arc="1"]').dispatchEvent(new PointerEvent("pointerleave"));
+  note("left");
+  document.querySelector('.arcs:not([hidden]) tr[data-arc="2"]').focus();
+  note("row");
+  drawn.querySelector('[data-node="0"]').dispatchEvent(new MouseEvent("click", { bubbles: true }));
+  await wait(200);
+  note("click");
+  const canvas = document.querySelector("canvas");
+  const box = canvas.getBoundingClientRect();
+  const found = {};
+  for (let x = 4; x < box.width; x += 10) for (let y = 4; y < box.height; y += 10) {
+    canvas.dispatchEvent(new PointerEvent("pointermove", { clientX: box.left + x, clientY: box.top + y }));
+    found[document.querySelector("#told h3").textContent] = lit();
+  }
+  seen.space = found;
+  document.querySelector("#graph").value = "surface";
+  document.querySelector("#graph").dispatchEvent(new Event("change"));
+  document.querySelector('svg.flat:not([hidden]) .hit[data-arc="2"]').dispatchEvent(new PointerEvent("pointerenter"));
+  note("surface arc");
+  drawn.dispatchEvent(new MouseEvent("click", { clientY: drawn.getBoundingClientRect().top + 1 }));
+  const slider = document.querySelector("#level");
+  slider.value = 0;
+  slider.dispatchEvent(new Event("input"));
+  seen.level = document.querySelector("#height").value;
+  const report = document.createElement("pre");
+  report.id = "seen";
+  report.textContent = JSON.stringify(seen);
+  document.body.append(report);
+})();
+"""
+
+
+@pytest.mark.skipif(BROWSER is None, reason="no Chromium is installed")
+def test_what_is_pointed_at_is_lit_everywhere_and_a_click_copies(made, tmp_path):
+    text = (made["upright"] / "view.html").read_text()
+    digest = base64.b64encode(hashlib.sha256(USER.encode()).digest()).decode()
+    text = text.replace("script-src ", f"script-src 'sha256-{digest}' ").replace(
+        "</body>", f"<script>{USER}</script></body>"
+    )
+    (tmp_path / "used.html").write_text(text)
+    dom, console = browse(*SOFTWARE, "--virtual-time-budget=90000", "--dump-dom", (tmp_path / "used.html").as_uri())
+    assert console == []
+    seen = json.loads(html.unescape(re.search(r'<pre id="seen">(.*?)</pre>', dom)[1]))
+    assert seen["start"]["lit"] == seen["left"]["lit"] == [] and seen["start"]["told"].startswith("Point at")
+    assert seen["flat arc"]["lit"] == ["1", "1"] and seen["flat arc"]["told"].startswith("Arc 1 of the solid graph")
+    assert seen["row"]["lit"] == ["2", "2"]  # the arc in the drawing, and its row
+    scene = Scene((made["upright"] / "model.glb").read_bytes())
+    node, arc = scene.extras["solid nodes"]["nodes"][0], scene.extras["surface arcs"]["arcs"][2]
+    assert seen["click"]["lit"] == ["0"] and "A: material appears as the height rises" in seen["click"]["told"]
+    copied = re.search(r"Vertex(?:, to be)? copied(?: by hand)?: (.*)", seen["click"]["told"])[1]
+    assert list(map(float, copied.split())) == [node[axis] for axis in "xyz"]
+    arcs = {f"Arc {k} of the solid graph": [str(k)] * 2 for k in range(len(scene.extras["solid arcs"]["arcs"]))}
+    assert arcs == {
+        name: lit for name, lit in seen["space"].items() if name.startswith("Arc")
+    }  # every arc is found in space, and lit in drawing and table
+    told = seen["surface arc"]["told"]
+    assert told.startswith("Arc 2 of the surface graph") and f"{arc['area']:.5g}"[:5] in told
+    assert seen["level"].endswith("1 contour, 1 region")
 
 
 @pytest.mark.skipif(BROWSER is None, reason="no Chromium is installed")

@@ -176,6 +176,8 @@ function setGraph(name) {
   state.kept = null;
   light(null);
   all("svg.flat, .arcs").forEach((part) => part.toggleAttribute("hidden", part.dataset.graph !== name));
+  const box = find("#flat");
+  box.scrollLeft = (box.scrollWidth - box.clientWidth) / 2;
   view?.setGraph(name);
 }
 

@@ -75,13 +75,9 @@ function nameplace(point, FACTS) {
 
 /** Point at what is under the pointer; keep it on a click or a tap, which is a press without a move. */
 function listenToPointer(canvas, scene) {
-  let [pressed, waiting] = [null, 0];
+  let pressed = null;
   canvas.addEventListener("pointermove", (event) => {
-    if (event.buttons || waiting) return;
-    waiting = requestAnimationFrame(() => {
-      waiting = 0;
-      scene.point(pick(canvas, event, scene).what ?? null);
-    });
+    if (!event.buttons) scene.point(pick(canvas, event, scene).what ?? null);
   });
   canvas.addEventListener("pointerleave", () => scene.point(null));
   canvas.addEventListener("pointerdown", (event) => {

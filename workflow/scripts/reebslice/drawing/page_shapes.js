@@ -212,7 +212,7 @@ function fillRegion(outer, holes) {
 function addGraph(group, meshes, PARTS, name, wide) {
   const lines = meshes[`${name} arcs`];
   const places = lines ? pairsOf(lines, [0, lines.index.count]) : [];
-  const small = Math.max(6 / PARTS[`${name} nodes`].nodes.length ** 0.4, 0.45);
+  const small = Math.max(4.2 / PARTS[`${name} nodes`].nodes.length ** 0.4, 0.45);
   const scale = Math.min(small, 0.5 + wide / 1400, 1);
   group.add(fatLines(places, "#ffffff", 6 * scale, LAST + 1), fatLines(places, "#1b1f24", 3 * scale, LAST + 2));
   if (scale > 0.8) {
