@@ -31,9 +31,10 @@ from corpus.code_digest import digest_code, find_sources
 from corpus.layout import chosen_stages
 from corpus.storage import read_blocks, read_table
 from reebslice import label_faces
+from reebslice.drawing import page_model
 from reebslice.drawing.arc_routes import route_arcs
 from reebslice.drawing.display_mesh import reduce_faces, split_by_label
-from reebslice.errors import ReebsliceError
+from reebslice.errors import ReebsliceError, TooManyCrossingsError
 from reebslice.formats.glb import POINTS, Part, write_glb
 from reebslice.graphs.shown_arcs import spread_labels
 from reebslice.slicing.tables import contour_curves
@@ -408,6 +409,30 @@ def test_the_same_results_make_the_same_bytes(made, tmp_path):
     view.main(made["voids"], tmp_path, {"faces": 50000})
     for name in view.OUTPUTS:
         assert (tmp_path / name).read_bytes() == (made["voids"] / name).read_bytes()
+
+
+@pytest.mark.parametrize("method", ["similarity", "proximity"])
+def test_guessed_graphs_have_pages_too_which_say_that_nothing_is_proven(tmp_path, method):
+    folder = make_model(tmp_path / method, solids.cup(), edges={"method": method})
+    view.main(folder, folder, {"faces": 50000})
+    text = (folder / "view.html").read_text()
+    assert (
+        re.search(r"<p>Not proven: [^<]*Links by a heuristic are not certified", text) and text.count("data-node=") > 4
+    )
+
+
+def test_what_cannot_be_found_is_told_and_the_rest_is_shown(made, tmp_path, monkeypatch):
+    def refuse(*_, **__):
+        raise TooManyCrossingsError("there are too many")
+
+    for name in ("find_loops", "find_pockets"):
+        monkeypatch.setattr(page_model, name, refuse)
+    view.main(made["plate"], tmp_path, {"faces": 50000})
+    text = (tmp_path / "view.html").read_text()
+    assert "No loops are shown: there are too many" in text and "No pockets are shown: there are too many" in text
+    assert set(Scene((made["plate"] / "model.glb").read_bytes()).parts) - {"loop circles", "loop paths"} == set(
+        Scene((tmp_path / "model.glb").read_bytes()).parts
+    )
 
 
 def test_a_surface_of_more_faces_is_decimated_and_the_page_says_so(made, tmp_path):

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from ..errors import ReebsliceError
+from ..errors import ReebsliceError, TooManyCrossingsError
 from ..graphs.bodies import pocket_bodies
 from ..graphs.loops import find_loops
 from ..graphs.pockets import find_islands, find_pockets
@@ -60,8 +60,11 @@ def gather_model(tables, body, curves, graphs, rotation, size):
 
 
 def _find_loops(points, faces, rotation, body):
-    """The loops that are shown, the longest-lived ones, and what is left out."""
-    loops = find_loops(points, faces, rotation, body_of_vertex=body)
+    """The loops that are shown, the longest-lived ones, or None, and what is left out."""
+    try:
+        loops = find_loops(points, faces, rotation, body_of_vertex=body)
+    except TooManyCrossingsError as fault:
+        return None, [f"No loops are shown: {fault}"]
     count = len(loops.kind)
     if count <= MOST_LOOPS:
         return loops, []

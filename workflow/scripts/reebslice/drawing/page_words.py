@@ -171,20 +171,7 @@ def write_tables(model, unit):
 
 def _tables_of_places(model, unit):
     """Tables of loops, pockets and islands."""
-    loops, tables = model.loops, []
-    figures = (
-        (loops.height, 1),
-        (loops.inscribed_radius * 2, 1),
-        (loops.perimeter, 1),
-        (loops.section, 2),
-        (loops.length, 1),
-    )
-    rows = [
-        (f"{kind}: {LOOP_WORDS[kind]}", *(format_figure(column[k].item(), unit, power) for column, power in figures))
-        for k, kind in enumerate(loops.kind.tolist())
-    ]
-    titles = ("loop", "at height", "widest round bar or pin", "perimeter", "section", "length of the path")
-    tables.append(_table("Loops, each where it is thinnest", titles, rows, ' class="loops"', "loop"))
+    tables = [] if model.loops is None else [_table_of_loops(model.loops, unit)]
     for name, (found, _bodies) in model.pockets.items():
         rows = [
             (
@@ -199,6 +186,23 @@ def _tables_of_places(model, unit):
             _table(name.capitalize(), (name, "from height", "to height", "volume"), rows, f' class="{name}"', name)
         )
     return tables
+
+
+def _table_of_loops(loops, unit):
+    """The table of loops."""
+    figures = (
+        (loops.height, 1),
+        (loops.inscribed_radius * 2, 1),
+        (loops.perimeter, 1),
+        (loops.section, 2),
+        (loops.length, 1),
+    )
+    rows = [
+        (f"{kind}: {LOOP_WORDS[kind]}", *(format_figure(column[k].item(), unit, power) for column, power in figures))
+        for k, kind in enumerate(loops.kind.tolist())
+    ]
+    titles = ("loop", "at height", "widest round bar or pin", "perimeter", "section", "length of the path")
+    return _table("Loops, each where it is thinnest", titles, rows, ' class="loops"', "loop")
 
 
 def _table(caption, titles, rows, attributes, kind):

@@ -38,7 +38,7 @@ class Model(NamedTuple):
     curves : Curves
         Those of the contours, tilted frame.
     graphs : dict of str to EmbeddedGraph
-    loops : Loops
+    loops : Loops or None
         At most as many as are shown.
     pockets : dict of str to (Pockets, list of (points, faces))
         Pockets and islands with their bodies.
@@ -162,7 +162,7 @@ def _thin(path, most):
 def _loop_parts(model):
     """Circles around loops, and closed paths along them."""
     loops = model.loops
-    if not len(loops.kind):
+    if loops is None or not len(loops.kind):
         return []
     names = (
         "kind",
