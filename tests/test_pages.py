@@ -467,7 +467,9 @@ def test_a_changed_template_is_other_code(tmp_path):
 
 def test_pages_can_be_switched_off():
     for pages in (True, False):
-        assert ("view" in chosen_stages({"loops": {"find": True}, "view": {"pages": pages}})) == pages
+        assert (
+            "view" in chosen_stages({"loops": {"find": True}, "pockets": {"find": True}, "view": {"pages": pages}})
+        ) == pages
 
 
 # ---------------------------------------------------------------- in a browser
