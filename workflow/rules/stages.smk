@@ -290,3 +290,25 @@ rule draw:
         code=CODE["draw"],
     script:
         "../scripts/draw.py"
+
+
+# Makes the page of every model, on which its surface, levels and graphs can be looked at.
+# Writes view.html, and model.glb, of which it is made.
+rule view:
+    input:
+        status="results/status/certify/{batch}.parquet",
+    output:
+        status="results/status/view/{batch}.parquet",
+    log:
+        "results/logs/view/{batch}.log",
+    benchmark:
+        "results/benchmarks/view/{batch}.tsv"
+    priority: priority_at("view")
+    resources:
+        mem_mb=memory_of,
+        runtime=runtime_of,
+    params:
+        options={"faces": config["view"]["faces"]},
+        code=CODE["view"],
+    script:
+        "../scripts/view.py"

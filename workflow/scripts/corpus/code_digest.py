@@ -17,7 +17,10 @@ def digest_code(script):
 
 
 def find_sources(script):
-    """Return the sorted paths of a script and of the modules in its folder that it imports, transitively."""
+    """Return the sorted paths of a script, of modules in its folder that it imports, transitively, and of their files.
+
+    A file of a module lies beside it and is named in it: a template, or what else it reads of its own.
+    """
     root = Path(script).parent
     found, waiting = set(), [Path(script)]
     while waiting:
@@ -26,7 +29,14 @@ def find_sources(script):
             found.add(path)
             package = path.relative_to(root).parent.parts
             waiting += [source for module in _imports(path.read_bytes(), package) for source in _locate(module, root)]
-    return sorted(found)
+    return sorted(found.union(*(_named_files(path) for path in found)))
+
+
+def _named_files(path):
+    """Return the paths of the files beside a module, no modules themselves, that its source names in quotes."""
+    text = path.read_bytes()
+    beside = (file for file in path.parent.iterdir() if file.suffix != ".py")
+    return [file for file in beside if b'"%s"' % file.name.encode() in text and file.is_file()]
 
 
 @cache  # stages share most of their modules

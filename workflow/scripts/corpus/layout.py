@@ -16,6 +16,7 @@ BEFORE = {
     "synthesize_edges": "sample_nodes",
     "certify": "synthesize_edges",
     "draw": "certify",
+    "view": "certify",
     "find_pockets": "classify_handles",
     "find_loops": "classify_handles",
     "label_faces": "synthesize_edges",
@@ -27,13 +28,14 @@ BEFORE = {
 # Asked for by name, through the tables that are gathered of them; the others are those of the default target.
 ASKED_FOR = ("compare_links", "rate_directions")
 STAGES = tuple(stage for stage in BEFORE if stage not in ASKED_FOR)
-# Of these, those that a group of the configuration switches off by `find: false`.
+# Of these, those that a key in a group of the configuration switches off.
 SIDE_STAGES = {
-    "find_pockets": "pockets",
-    "find_loops": "loops",
-    "label_faces": "faces",
-    "colour_faces": "colours",
-    "decompose_solid": "parts",
+    "view": ("view", "pages"),
+    "find_pockets": ("pockets", "find"),
+    "find_loops": ("loops", "find"),
+    "label_faces": ("faces", "find"),
+    "colour_faces": ("colours", "find"),
+    "decompose_solid": ("parts", "find"),
 }
 
 
@@ -50,7 +52,8 @@ def line_behind(stage):
 
 def chosen_stages(config):
     """Return the stages of the default target that the checked configuration wants."""
-    return tuple(stage for stage in STAGES if stage not in SIDE_STAGES or config[SIDE_STAGES[stage]]["find"])
+    wanted = {stage: config[group][key] for stage, (group, key) in SIDE_STAGES.items()}
+    return tuple(stage for stage in STAGES if wanted.get(stage, True))
 
 
 MODELS_FOLDER = Path("results/models")

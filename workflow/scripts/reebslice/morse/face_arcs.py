@@ -66,9 +66,28 @@ def label_faces(points: Any, faces: ArrayLike | None = None, rotation: ArrayLike
     """
     points, corners = take_mesh(points, faces)
     mesh = height_mesh(points, corners, rotation)
-    labels = label_arcs(mesh, surface_reeb_graph(mesh))
-    row = match_faces(mesh, corners)
-    arcs = np.empty(len(corners), np.int32)
+    return arcs_of_faces(mesh, surface_reeb_graph(mesh), corners)
+
+
+def arcs_of_faces(mesh, graph, faces):
+    """Do as :func:`label_faces` with what the pipeline has at hand.
+
+    Parameters
+    ----------
+    mesh : HeightMesh
+    graph : ReebGraph
+        The mesh's.
+    faces : (m, 3) int
+        That the mesh was made of.
+
+    Returns
+    -------
+    (m,) int32
+        As of :func:`label_faces`.
+    """
+    labels = label_arcs(mesh, graph)
+    row = match_faces(mesh, faces)
+    arcs = np.empty(len(faces), np.int32)
     arcs[row[row >= 0]] = labels.of_face[row >= 0]
     return arcs
 
