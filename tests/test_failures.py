@@ -229,7 +229,7 @@ def test_planning_takes_what_it_finds(monkeypatch):
     os.mkfifo("m/c.stl")
     put("m/d.gltf")
     monkeypatch.setattr("corpus.discovery.stamp_companions", lambda path: unreadable(path) if "gltf" in path else ())
-    models, others = find_models("m")
+    models, others, _ = find_models("m")
     assert list(models) == ["a", "d"]
     assert [name.split(" ")[0] for name in others] == ["m/b.stl", "m/c.stl", "m/loop"]
     assert "Too many levels of symbolic links" in others[0]
@@ -240,7 +240,7 @@ def test_a_folder_that_cannot_be_read_is_told(monkeypatch):
     put("m/a.stl", "m/sub/b.stl")
     scan = os.scandir
     monkeypatch.setattr(os, "scandir", lambda path: unreadable(path) if "sub" in str(path) else scan(path))
-    models, others = find_models("m")
+    models, others, _ = find_models("m")
     assert list(models) == ["a"] and others == ["m/sub/ (a folder that cannot be read: Permission denied)"]
 
 

@@ -47,9 +47,9 @@ def run(folder, *arguments, options=OPTIONS, checkout=ROOT, meshes="meshes", env
     return done.returncode, done.stdout
 
 
-def planned(folder, **keywords):
+def planned(folder, *arguments, **keywords):
     """The jobs that Snakemake would run, as {rule: count}; nothing to do is {}."""
-    code, said = run(folder, "-n", **keywords)
+    code, said = run(folder, "-n", *arguments, **keywords)
     assert code == 0, said
     if "Nothing to be done" in said:
         return {}

@@ -2,6 +2,7 @@
 
 import difflib
 import math
+from pathlib import Path
 
 import jsonschema
 
@@ -9,6 +10,9 @@ from reebslice.slicing.sampling_rule import MOST_LEVELS, sampling_rule
 
 # The lengths in which a mesh that is read can be told: see LARGEST and SMALLEST of reebslice.mesh.faults.
 LARGEST_LENGTH, SMALLEST_LENGTH = 1e75, 1e-75
+
+# Of the checkout, with every key, and of the working directory, with what is another there.
+CONFIG_FILE = Path("config", "config.yaml")
 
 # What JSON schema calls a type, said to a person.
 TYPES = {
@@ -60,11 +64,36 @@ def restore_texts(config, arguments, schema):
     arguments : iterable of str
         The entries of `--config`, as typed.
     schema : dict
-        Of its keys on the top level, those of type string are restored.
+        Of its keys on the top level, those that may be a string are restored.
     """
     typed = dict(argument.split("=", 1) for argument in arguments if "=" in argument)
-    texts = {key for key, part in schema["properties"].items() if part.get("type") == "string"}
+    texts = {key for key, part in schema["properties"].items() if "string" in _kinds(part)}
+    texts -= {key for key, value in config.items() if isinstance(value, (list, dict))}
     return config | {key: value.strip("'\"") for key, value in typed.items() if key in texts}
+
+
+def _kinds(schema):
+    """Return the types that a schema allows."""
+    kinds = schema.get("type", ())
+    return (kinds,) if isinstance(kinds, str) else tuple(kinds)
+
+
+def describe_sources(files, given_files, given_keys):
+    """Return a sentence's part on where the configuration comes from, the later winning over the earlier.
+
+    Parameters
+    ----------
+    files : sequence of path
+        Of the checkout and of the working directory.
+    given_files : sequence of path
+        Of `--configfile`.
+    given_keys : mapping of str to object
+        Of `--config`.
+    """
+    told = [str(file) for file in files] + [f"--configfile {file}" for file in given_files]
+    if given_keys:
+        told.append(f"--config {' '.join(given_keys)}")
+    return ", then ".join(told)
 
 
 def _read_texts(value, schema):
@@ -81,13 +110,12 @@ def _read_texts(value, schema):
         return {key: _read_texts(entry, parts.get(key, {})) for key, entry in value.items()}
     if isinstance(value, list):
         return [_read_texts(entry, schema.get("items", {})) for entry in value]
-    kinds = schema.get("type", ())
-    kinds = (kinds,) if isinstance(kinds, str) else tuple(kinds)
+    kinds = _kinds(schema)
     if isinstance(value, str) and "null" in kinds and value in ("null", "~", ""):
         return None
     if kinds == ("boolean",) and value in ("true", "false"):  # as --config verify=true hands over
         return value == "true"
-    if kinds == ("string",) and type(value) in (int, float):
+    if "string" in kinds and type(value) in (int, float):
         return str(value)
     if kinds == ("integer",) and type(value) is float and value.is_integer():
         return int(value)

@@ -64,7 +64,8 @@ def run_batch(snakemake, main, outputs, digest=None):
     then gives the content key of a mesh file. Writes the
     status table of this stage. Everything that is printed goes to the log.
     """
-    stage, parameters = snakemake.rule, snakemake.params
+    status, parameters = Path(snakemake.output.status), snakemake.params
+    stage = status.parent.name  # a workflow that uses this one as a module may call its rules otherwise
     print_into(snakemake.log[0])
     trim_startup()
     if "status" in snakemake.input.keys():  # noqa: SIM118, a list with names
@@ -75,7 +76,6 @@ def run_batch(snakemake, main, outputs, digest=None):
     limits = Limits(**snakemake.config["limits"])
     done = run_models(stage, rows, main, outputs, parameters.options, parameters.code, digest, limits)
     done = vouch(stage, done, outputs)
-    status = Path(snakemake.output.status)
     remove_remains(status.parent, status.name)
     write_parquet(status, pa.Table.from_pylist(done, schema=STATUS_SCHEMA))
 
