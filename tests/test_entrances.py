@@ -1,15 +1,18 @@
-"""How people come to the workflow: a configuration of their own, a workflow that uses this one as a module."""
+"""How people come to the workflow: a configuration and a sheet of their own, one model, use as a module."""
 
 import shutil
 import subprocess
 import sys
 from pathlib import Path
 
+import pyarrow.parquet as pq
 import pytest
 import yaml
 
 from corpus.configuration import describe_sources
-from test_workflow import OPTIONS, models_table, planned, run, stages_from, stamps, write_box
+from corpus.layout import STAGES, line_to
+from corpus.storage import read_json
+from test_workflow import OPTIONS, models_table, planned, run, stamps, write_box
 
 ROOT = Path(__file__).parent.parent
 GIVEN = {key: yaml.safe_load(value) for key, value in (option.split("=", 1) for option in OPTIONS)}
@@ -51,14 +54,18 @@ def test_the_run_says_which_files_it_took(finished):
 
 
 def test_the_configuration_of_the_working_directory_counts_and_the_command_line_wins(folder):
-    assert planned(folder, options=()) == {}
     write_config(folder, GIVEN | {"draw": {"width": 400}})  # other keys keep what was given, or their defaults
     assert set(planned(folder, options=())) == {"draw"}
-    assert planned(folder, options=("draw={width: 300}",)) == {}
     (folder / "more.yaml").write_text("draw: {width: 300}\n")
     assert planned(folder, "--configfile", "more.yaml", options=()) == {}
-    centroids = ("nodes={sampler: centroid}",)
-    assert set(planned(folder, "--configfile", "more.yaml", options=centroids)) == stages_from("sample_nodes")
+    wins = ("nodes={sampler: centroid}", "draw={width: 400}")
+    assert set(planned(folder, "--configfile", "more.yaml", options=wins)) == stages_to_draw("sample_nodes")
+
+
+def stages_to_draw(stage):
+    """The stages from one on that lead to the pictures."""
+    line = line_to("draw")
+    return set(line[line.index(stage) :])
 
 
 def test_a_fault_in_it_is_told_with_the_files(folder):
@@ -90,25 +97,42 @@ def test_a_file_that_is_asked_for_is_made_alone(folder):
     assert planned(folder, file, options=()) == {}
     (folder / file).unlink()
     assert planned(folder, file, options=()) == {"select_tilt": 1}
+    assert run(folder, "--until", "inspect_mesh", options=())[0] == 0  # of the whole corpus
+    assert stamps(folder, "new") == {name: time for name, time in made.items() if name != "tilt.json"}
 
 
-def test_some_models_are_computed_and_the_whole_corpus_does_not_compute_them_again(folder):
-    write_box(folder / "meshes/new.off", 0.7)
-    write_box(folder / "meshes/newer.off", 0.8)
-    code, said = run(folder, options=("only=new*",))
-    assert code == 0 and "Only 2 of 4 models" in said and "2 of 2 models done" in said, said
-    before = {model: stamps(folder, model) for model in ("new", "newer", "tall", "wide")}
-    code, said = run(folder, options=())
-    assert code == 0 and "4 of 4 models done" in said, said
+def test_a_run_over_some_models_leaves_those_of_the_whole_corpus_as_they_are(folder):
+    before = {model: stamps(folder, model) for model in ("tall", "wide")}
+    code, said = run(folder, "--until", "select_tilt", options=("only=*ll",))
+    assert code == 0 and "Only 1 of 2 models" in said, said
     assert {model: stamps(folder, model) for model in before} == before
-    assert planned(folder, options=("only=new*",)) == {} == planned(folder, options=())
+    assert planned(folder, options=()) == {}
+
+
+# A sheet of models
+
+
+def test_a_row_of_the_sheet_computes_its_models_and_no_other(folder):
+    wide = stamps(folder, "wide")
+    sheet = folder / "config/models.tsv"
+    sheet.write_text("model\tup\tdistance\tunit\ntall\ty\t0.25\tinch\n")
+    assert set(planned(folder, options=())) == set(STAGES)
+    targets = [f"results/models/{model}/levels.parquet" for model in ("tall", "wide")]
+    code, said = run(folder, *targets, options=())
+    assert code == 0 and "config/models.tsv says what is another for 1 of 2 models" in said, said
+    assert stamps(folder, "wide") == wide
+    assert read_json(folder / "results/models/tall/inspection.json")["unit"] == "inch"
+    assert read_json(folder / "results/models/tall/tilt.json")["direction"] == [0.0, 1.0, 0.0]
+    heights = pq.read_table(folder / targets[0])["height"].to_numpy()
+    assert heights.tolist() == [0.375, 1.125, 1.875, 2.625]  # of a box from y = 0 to y = 3
+    sheet.write_text("modle\tup\ntal\ty\n")
+    code, said = run(folder, options=())
+    assert code == 1 and "config/models.tsv cannot be used" in said and "'modle' is not a column" in said
 
 
 def test_what_is_not_there_to_be_made_is_told(folder):
     code, said = run(folder, "results/models/tal/tilt.json", options=())
     assert code == 1 and "there is no model 'tal'; did you mean 'tall'?" in said
-    code, said = run(folder, options=("only=[tall, tl*]",))
-    assert code == 1 and "only: 'tl*' matches none of 2 models; did you mean 'tall'?" in said
 
 
 # As a module of another workflow
@@ -148,6 +172,11 @@ def test_another_workflow_uses_this_one_as_a_module(tmp_path):
     assert done.returncode == 0, done.stderr
     assert (tmp_path / "count.txt").read_text() == "hello\n"
     assert models_table(tmp_path)["wide"]["verdict"] == "exact"
-    assert "1 of 1 models done" in done.stderr  # by its own word, handed on by the other's handlers
+    assert "1 model: 1 exact" in done.stderr  # by its own word, handed on by the other's handlers
     again = subprocess.run([*command, "-n"], cwd=tmp_path, capture_output=True, text=True, check=False)
     assert "Nothing to be done" in again.stdout + again.stderr
+    (tmp_path / "Snakefile").write_text(
+        OTHERS.format(snakefile=f"{ROOT}/workflow/Snakefile").replace("    config:", '    prefix: "x"\n    config:')
+    )
+    refused = subprocess.run([*command, "-n"], cwd=tmp_path, capture_output=True, text=True, check=False)
+    assert refused.returncode == 1 and "cannot be used as a module with prefix:" in refused.stdout + refused.stderr

@@ -18,7 +18,7 @@ from corpus.batches import describe_meshes
 from corpus.companions import digest_mesh
 from corpus.discovery import find_models
 from corpus.layout import MODELS_FOLDER, STAGES
-from corpus.model_table import count_models
+from corpus.outcome import tell_outcome
 from corpus.receipts import receipt_name, write_receipt
 from corpus.stages import run_models
 from corpus.storage import read_json, write_json, write_parquet
@@ -215,8 +215,9 @@ def test_a_broken_certificate_is_one_row_with_a_sentence(text):
     assert rows["b"]["verdict"] is None and rows["c"]["genus"] == 1
     assert not (MODELS_FOLDER / "b" / receipt_name("certify")).exists()
     write_parquet("models.parquet", table)
-    counts, reasons = count_models("models.parquet")
-    assert counts == {"ok": 2, "rejected": 0, "failed": 1} and reasons[0].startswith("b: results/models/b")
+    lines, failed = tell_outcome(Path("models.parquet"))
+    assert failed == 1 and lines[0] == "3 models: 2 exact, 1 FAILED"
+    assert lines[2].startswith("  b: FAILED: results/models/b/certificate.json cannot be read")
 
 
 # Planning

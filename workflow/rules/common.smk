@@ -35,25 +35,41 @@ from corpus.batches import (
 )
 from corpus.code_digest import compiled_code_folder, digest_code, read_outputs
 from corpus.configuration import CONFIG_FILE, ConfigError, check_config, describe_sources, restore_texts
+from corpus.console import show_progress
 from corpus.discovery import CorpusError, find_models, pick_models
 from corpus.layout import BEFORE, MODELS_TABLE, STAGES, chosen_stages, line_behind
-from corpus.model_table import count_models
+from corpus.outcome import list_first, tell_outcome
 from corpus.process import find_full_disks, find_last_words
 from corpus.promises import find_broken_promises
 from corpus.receipts import forget_stage
+from corpus.sample_sheet import read_sheet
 from corpus.shared_files import check_file_sharing
 from corpus.targets import find_unmade, read_wishes, redirect_targets, withdraw_outdated
 
 os.environ.setdefault("NUMBA_CACHE_DIR", str(compiled_code_folder(SCRIPTS / "reebslice")))
 
 STARTED = time.time()
-TOLD = 3  # so many faults of a kind are told at the end, and the number of all
+
+try:
+    check_file_sharing(workflow.storage_settings)
+except ConfigError as error:
+    raise WorkflowError(str(error)) from None
+
+if str(workflow.modifier.modify_path("results")) != "results":
+    raise WorkflowError(
+        "reebslice cannot be used as a module with prefix: or replace_prefix:, which do not reach the files of the "
+        "models; run it in a folder of its own by --directory, or leave them out"
+    )
 
 # Configuration ---------------------------------------------------------------
 
 # As a module it is what the workflow that uses this one gives: its files and its command line are about itself.
 IS_MAIN = workflow.modifier.is_main_snakefile()
+PROGRESS = show_progress(workflow.logger_manager) if IS_MAIN and workflow.is_main_process else None
 SOURCES = [WORKFLOW.parent / CONFIG_FILE]
+
+
+configfile: SOURCES[0]
 
 
 if IS_MAIN and CONFIG_FILE.exists() and not CONFIG_FILE.samefile(SOURCES[0]):
@@ -65,10 +81,11 @@ if IS_MAIN and CONFIG_FILE.exists() and not CONFIG_FILE.samefile(SOURCES[0]):
 SETTINGS = workflow.config_settings
 TOLD_SOURCES = describe_sources(SOURCES, SETTINGS.configfiles, SETTINGS.config) if IS_MAIN else "the module's config"
 
+SCHEMA = yaml.safe_load((WORKFLOW / "schemas" / "config.schema.yaml").read_text())
+
 try:
-    check_file_sharing(workflow.storage_settings)
-    SCHEMA = yaml.safe_load((WORKFLOW / "schemas" / "config.schema.yaml").read_text())
-    config = check_config(restore_texts(config, SETTINGS.config_args if IS_MAIN else (), SCHEMA), SCHEMA)
+    GIVEN = restore_texts(config, SETTINGS.config_args if IS_MAIN else (), SCHEMA)
+    config = check_config(GIVEN, SCHEMA)
 except ConfigError as error:
     raise WorkflowError(f"{error}\nIt was taken from {TOLD_SOURCES}.") from None
 
@@ -80,7 +97,8 @@ if workflow.is_main_process:
 try:
     FOUND, OTHER_FILES, RENAMED = find_models(config["meshes"])
     MODELS = pick_models(FOUND, config["only"])
-except CorpusError as error:
+    OWN = read_sheet(config["models"], FOUND, GIVEN, SCHEMA)  # configurations of models that have one of their own
+except (ConfigError, CorpusError) as error:
     raise WorkflowError(str(error)) from None
 
 BATCHES = set_apart(form_batches(MODELS, **config["batches"]), config["only"])
@@ -124,6 +142,8 @@ if workflow.is_main_process:
             f"{len(RENAMED)} meshes differ from another in the ending of their names alone, and are models called after "
             f"that too: {', '.join(RENAMED[:4])}{' ...' if len(RENAMED) > 4 else ''}"
         )
+    if OWN:
+        logger.info(f"{config['models']} says what is another for {len(OWN)} of {len(FOUND)} models.")
     if config["only"] is not None:
         logger.info(f"Only {len(MODELS)} of {len(FOUND)} models, as the key only says.")
 
@@ -170,6 +190,16 @@ def stamp_of(wildcards):
     return describe_meshes(MODELS, MEMBERS[wildcards.batch])
 
 
+def own_options(pick):
+    """Function that tells the options of those of a batch's models that have their own at a stage, by model.
+
+    `pick` gives the options of the stage by a configuration.
+    """
+    common = pick(config)
+    own = {model: pick(configured) for model, configured in OWN.items() if pick(configured) != common}
+    return lambda wildcards: {model: own[model] for model in MEMBERS[wildcards.batch] if model in own}
+
+
 def memory_of(wildcards, attempt):
     """Memory for one stage of a batch, in MB."""
     return int(predict_memory(MODELS, MEMBERS[wildcards.batch]) * attempt)
@@ -208,6 +238,18 @@ def gathering_runtime(wildcards, attempt):
 # The beginning and the end of a run ------------------------------------------
 
 
+def plan_progress():
+    """Tell the console what is to be done."""
+    if PROGRESS:
+        jobs = {
+            workflow.dag.jobid(job): (job.rule.name, job.wildcards_dict.get("batch"))
+            for job in workflow.dag.needrun_jobs()
+        }
+        batches = {batch for _, batch in jobs.values() if batch} if WISHES else BATCHES
+        work = {batch: predict_work(MODELS, MEMBERS[batch]) for batch in batches}
+        PROGRESS.plan(jobs, {batch: MEMBERS[batch] for batch in batches}, work)
+
+
 def keep_going():
     """Have a job that is killed stop nothing but what is behind it, as --keep-going does."""
     workflow.scheduler.keepgoing = True
@@ -240,31 +282,24 @@ def close_run():
     if WISHES:
         close_wishes()
         return
-    table = MODELS_TABLE
-    if not table.exists():
-        return
-    counts, reasons = count_models(table)
-    total = sum(counts.values())
-    logger.info(f"{counts['ok']} of {total} models done: results/models/, {table}")
-    if counts["rejected"]:
-        logger.warning(
-            f"{counts['rejected']} rejected: the reasons are in {table} (column reason) "
-            "and in results/models/*/inspection.json"
-        )
-    if counts["failed"]:
-        raise WorkflowError(
-            f"{counts['failed']} of {total} models FAILED, by no fault found in their meshes. The others are complete. "
-            f"The reasons are in {table} (column reason), the tracebacks in results/logs/. The next run tries the "
-            f"failed ones again.\n{list_first(reasons)}"
-        )
+    if MODELS_TABLE.exists():
+        lines, failed = tell_outcome(MODELS_TABLE)
+        if failed:
+            raise WorkflowError(
+                f"{failed} of the models FAILED, by no fault found in their meshes. The others are complete. The "
+                "tracebacks are in results/logs/. The next run tries the failed ones again.\n" + "\n".join(lines)
+            )
+        logger.info("\n".join(lines))
 
 
 def close_wishes():
     """Say of the files that were asked for where they are; end with an error where one was not made, and why."""
     unmade = find_unmade(WISHES)
     if unmade:
-        raise WorkflowError(f"{len(unmade)} of {len(WISHES)} files asked for were not made:\n{list_first(unmade)}")
-    logger.info(f"Made, or there already:\n{list_first([wish.path for wish in WISHES])}")
+        raise WorkflowError(
+            f"{len(unmade)} of {len(WISHES)} files asked for were not made:\n" + "\n".join(list_first(unmade))
+        )
+    logger.info("\n".join(["Made, or there already:", *list_first([wish.path for wish in WISHES])]))
 
 
 def explain_error(log):
@@ -274,11 +309,5 @@ def explain_error(log):
     logger.error(
         "The run did not finish. Models that were completed are kept; start it again, as it is, to go on. "
         f"{MODELS_TABLE}, if it is there, is that of an earlier run. "
-        f"The log is {', '.join(map(str, log)) or 'not written'}\n{list_first(told)}"
+        f"The log is {', '.join(map(str, log)) or 'not written'}\n" + "\n".join(list_first(told))
     )
-
-
-def list_first(lines):
-    """The first of some lines, indented, and how many more there are."""
-    more = [f"and {len(lines) - TOLD} more"] if len(lines) > TOLD else []
-    return "\n".join(f"  {line}" for line in lines[:TOLD] + more)

@@ -27,7 +27,11 @@ TYPES = {
 
 
 class ConfigError(ValueError):
-    """The configuration cannot be used; one line per fault, naming key, value and what is allowed."""
+    """The configuration, or the sheet of models, cannot be used; one line per fault: place, value, what is allowed."""
+
+    def __init__(self, text, faults=()):
+        super().__init__("\n".join([text, *(f"  {fault}" for fault in faults)]))
+        self.faults = tuple(faults)
 
 
 def check_config(config, schema):
@@ -46,7 +50,7 @@ def check_config(config, schema):
         config = _complete(config, schema)
         faults = _contradictions(config)
     if faults:
-        raise ConfigError("\n".join(["the configuration cannot be used:", *(f"  {fault}" for fault in faults)]))
+        raise ConfigError("the configuration cannot be used:", faults)
     levels = config["levels"]
     levels["distance"], levels["feature_size"] = sampling_rule(levels["distance"], levels["feature_size"])
     return config
@@ -153,6 +157,10 @@ def _contradictions(config):
         faults.append(
             f"tilt.direction is given, but tilt.mode is {tilt['mode']!r}: write mode: direction, or remove it"
         )
+    if tilt["mode"] == "direction" and tilt["up"] != "z":
+        faults.append(
+            f"tilt.up is {tilt['up']!r}, but tilt.mode is 'direction', which takes tilt.direction: remove one"
+        )
     size = max(map(abs, tilt["direction"] or [1.0]))
     if not size:
         faults.append("tilt.direction is the zero vector: at least one of its three numbers must differ from 0")
@@ -211,11 +219,16 @@ def _say_unknown(place, error):
     known = list(error.schema["properties"])
     sentences = []
     for key in (str(key) for key in error.instance if key not in known):
-        near = difflib.get_close_matches(key, known, n=1, cutoff=0.5)
-        guess = f"did you mean {_join(place, near[0])}? " if near else ""
+        near = near_word(key, known)
+        guess = f"did you mean {_join(place, near)}? " if near else ""
         allowed = f"allowed {'in ' + place if place else 'at the top'}: {', '.join(known)}"
         sentences.append(f"{_join(place, key)} is not a key; {guess}{allowed}")
     return "\n  ".join(sentences)
+
+
+def near_word(word, words):
+    """Return the one of some words that is nearest to another, or None where none is near."""
+    return next(iter(difflib.get_close_matches(word, words, n=1, cutoff=0.5)), None)
 
 
 def _allowed(error):

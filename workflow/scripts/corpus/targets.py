@@ -12,7 +12,7 @@ from typing import NamedTuple
 
 from .batches import batch_alone
 from .discovery import CorpusError, tell_near
-from .layout import BEFORE, MODELS_FOLDER, STATUS_FOLDER, line_behind, line_to, read_status
+from .layout import BEFORE, MODELS_FOLDER, SIDE_STAGES, STATUS_FOLDER, line_behind, line_to, read_status
 from .promises import find_broken_promises
 
 
@@ -101,8 +101,12 @@ def find_unmade(wishes):
 
 def _tell_unmade(wish):
     """Return a sentence on why the file is not there by the status table that stands for it, or ''."""
+    if not Path(wish.status).exists():
+        return f"{wish.path}: {wish.stage} was left out, as by --until or --omit-from"
     (row,) = read_status(wish.status)
-    return "" if row["status"] == "ok" or Path(wish.path).is_file() else f"{wish.path}: {row['reason']}"
+    refused_aside = row["status"] == "rejected" and wish.stage in SIDE_STAGES and Path(wish.path).is_dir()
+    made = row["status"] == "ok" or refused_aside or Path(wish.path).is_file()
+    return "" if made else f"{wish.path}: {row['reason']}"
 
 
 def redirect_targets(workflow, translate):
