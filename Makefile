@@ -25,7 +25,6 @@ READY := $(VENV)/.ready
 run: $(READY) data/meshes
 	$(BIN)/snakemake --cores $(CORES)
 	@echo "Results of every model: $(CURDIR)/results/models/"
-	@echo "Table of all models:    $(CURDIR)/results/corpus/models.parquet"
 
 test: $(READY)
 	$(BIN)/python -m pytest -n $(CORES) --dist loadfile

@@ -82,7 +82,7 @@ def run(meshes, results, cores, options=()):
     if process.returncode:
         sys.exit(f"the workflow failed, see {results / 'run.log'}")
     used = after.children_user + after.children_system - before.children_user - before.children_system
-    jobs = (results / "run.log").read_text().count("Finished jobid")
+    jobs = max(results.glob(".snakemake/log/*.log")).read_text().count("Finished jobid")  # the last by its name
     return {"wall": wall, "processor": used, "jobs": jobs, "main_peak_mb": peak}
 
 

@@ -2,6 +2,7 @@
 
 import json
 import os
+import re
 import socket
 import subprocess
 import sys
@@ -14,15 +15,16 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from corpus import batches, layout, model_table, stages
-from corpus.batches import form_batches
+from corpus.batches import batch_alone, form_batches, set_apart
 from corpus.code_digest import digest_code, find_sources, read_outputs
 from corpus.companions import digest_mesh
-from corpus.discovery import CorpusError, InputFile, find_models
+from corpus.discovery import CorpusError, InputFile, find_models, pick_models
 from corpus.layout import MODELS_FOLDER, STAGES, STATUS_SCHEMA
 from corpus.promises import find_broken_promises, vouch
 from corpus.receipts import make_key, receipt_name
 from corpus.stages import Rejected, run_models
 from corpus.storage import read_json, write_json, write_parquet
+from corpus.targets import read_wishes
 
 SCRIPTS = Path(__file__).parent.parent / "workflow" / "scripts"
 
@@ -43,7 +45,7 @@ def put(*paths):
 
 def test_every_mesh_is_a_model_named_by_its_path():
     put("m/b c.stl", "m/a/deep/x.y.OBJ", "m/ünï.ply", "m/.hidden.stl", "m/.git/z.off", "m/a/x.mtl", "m/strange.vtk")
-    models, others = find_models("m")
+    models, others, _ = find_models("m")
     assert list(models) == ["a__deep__x.y", "b c", "ünï"]
     assert models["a__deep__x.y"].path == "m/a/deep/x.y.OBJ"
     assert others == ["m/strange.vtk"]
@@ -74,7 +76,7 @@ def test_each_folder_is_searched_once_in_its_own_place_first():
             os.symlink(f"../{other}", f"m/{name}/0{other}")
     os.symlink("../elsewhere", "m/y")
     os.symlink("../elsewhere", "m/z")
-    models, others = find_models("m")
+    models, others, _ = find_models("m")
     assert list(models) == [*(f"{name}__{name}" for name in folders), "y__x"]
     assert len(others) == 82 and "m/z (a link to a folder that is searched already)" in others
 
@@ -86,7 +88,7 @@ def test_names_of_meshes_that_are_no_files_are_told():
         one.bind("m/socket.stl")
     os.symlink("nowhere.stl", "m/gone.stl")
     os.symlink("round.stl", "m/round.stl")
-    models, others = find_models("m")
+    models, others, _ = find_models("m")
     assert list(models) == ["a"]
     assert [told.partition(" (no file")[0] for told in others] == [
         f"m/{name}.stl" for name in ("gone", "pipe", "round", "socket")
@@ -96,10 +98,10 @@ def test_names_of_meshes_that_are_no_files_are_told():
 @pytest.mark.parametrize(
     "paths, message",
     [
-        ([], "there is no folder 'm'.*--config meshes=FOLDER"),
+        ([], "there is no folder 'm' in .*, and no file; .*--config meshes=FOLDER"),
         (["m/readme.txt"], "holds no mesh; put files there that end in .stl"),
-        (["m/a.stl", "m/a.obj"], "'m/a.obj' and 'm/a.stl' would both be the model 'a'; rename"),
-        (["m/a__b.stl", "m/a/b.stl"], "would both be the model 'a__b'"),
+        (["m/a.stl", "m/a.obj", "m/a_obj.off"], "'m/a.obj' and 'm/a_obj.off' would both be the model 'a_obj'; rename"),
+        (["m/a__b.stl", "m/a/b.stl"], "would both be the model 'a__b_stl'"),
         (["m/line\nbreak.stl"], "unprintable characters; rename"),
         (["m/" + "x" * 190 + ".stl"], "an id of 190 bytes, more than 180; shorten"),
     ],
@@ -110,10 +112,79 @@ def test_unusable_folders_and_names_are_refused_with_the_cure(paths, message):
         find_models("m")
 
 
+def test_meshes_of_one_name_are_called_after_their_endings():
+    put("m/part.stl", "m/part.off", "m/other.STL", "m/sub/part.stl")
+    models, _, renamed = find_models("m")
+    assert {model: mesh.path for model, mesh in models.items()} == {
+        "other": "m/other.STL",
+        "part_off": "m/part.off",
+        "part_stl": "m/part.stl",
+        "sub__part": "m/sub/part.stl",
+    }
+    assert renamed == ["part_off", "part_stl"]
+
+
+def test_one_file_is_a_corpus():
+    put("m/part.stl", "m/part.off", "m/notes.txt", "top.ply")
+    assert {model: mesh.path for model, mesh in find_models("m/part.stl")[0].items()} == {"part": "m/part.stl"}
+    assert list(find_models("top.ply")[0]) == ["top"]
+    assert find_models(os.path.abspath("m/part.off"))[0]["part"].path == os.path.abspath("m/part.off")
+    with pytest.raises(CorpusError, match="the file 'm/notes.txt' is no mesh; its name must end in .stl"):
+        find_models("m/notes.txt")
+
+
+def test_models_are_picked_by_id_and_pattern():
+    put(*(f"m/{name}.stl" for name in ("bracket1", "bracket2", "gear", "odd [1]", "odd 1")))
+    models = find_models("m")[0]
+    assert list(pick_models(models, "bracket*")) == ["bracket1", "bracket2"]
+    assert list(pick_models(models, ["gear", "*2", "odd [1]"])) == ["bracket2", "gear", "odd [1]"]
+    assert pick_models(models, None) == models
+    with pytest.raises(CorpusError, match=r"only: 'braket\*' matches none of 5 models; did you mean 'bracket"):
+        pick_models(models, ["gear", "braket*"])
+    with pytest.raises(CorpusError, match=r"there are 'bracket1', 'bracket2', 'gear' \.\.\.$"):
+        pick_models(models, "xyz")
+
+
+def test_a_part_of_the_corpus_has_batches_of_its_own():
+    models = some_models(100) | {"huge": InputFile("m/huge.stl", batches.LARGE_MESH + 1, 0)}
+    whole, some = (set_apart(form_batches(models, 32, 8), only) for only in (None, "m*"))
+    shared = [name for name in whole if name in some]
+    assert shared == [batch_alone("huge")] and list(some.values()) == list(whole.values())
+    assert set_apart({"batch-all": ["a"]}, "x").keys() == set_apart({"batch-all": ["a"]}, ["x"]).keys()
+
+
+# Targets
+
+
+OUTPUTS = {stage: (f"{stage}.json", f"{stage}.parquet") for stage in STAGES}
+
+
+def test_files_of_models_are_asked_for_by_the_tables_of_their_stages():
+    asked = ["all", "results/models/a/slice_mesh.json", "./results/models/b/", "results/status/x.parquet"]
+    wishes, others = read_wishes(asked, ["a", "b"], OUTPUTS, [*layout.line_to("draw"), "find_loops"])
+    assert others == ["all", "results/status/x.parquet"]
+    assert [wish.status for wish in wishes] == [
+        *(f"results/status/{stage}/{batch_alone('b')}.parquet" for stage in ("draw", "find_loops")),
+        f"results/status/slice_mesh/{batch_alone('a')}.parquet",
+    ]
+
+
+@pytest.mark.parametrize(
+    "target, sentence",
+    [
+        ("results/models/torus/certify.json", "there is no model 'torus'; did you mean 'torus_upright'?"),
+        ("results/models/cube/certify.jsn", "no stage writes a file 'certify.jsn'; did you mean 'certify.json'"),
+    ],
+)
+def test_files_that_will_never_be_are_refused(target, sentence):
+    with pytest.raises(CorpusError, match=re.escape(sentence)):
+        read_wishes([target], ["cube", "torus_upright"], OUTPUTS, STAGES)
+
+
 def test_what_is_not_there_is_told():
     put("m/a.stl")
     os.symlink("gone.stl", "m/b.stl")
-    models, others = find_models("m")
+    models, others, _ = find_models("m")
     assert list(models) == ["a"] and others == ["m/b.stl (no file: a link to nothing, or a device)"]
 
 

@@ -18,7 +18,7 @@ from corpus.batches import describe_meshes
 from corpus.companions import digest_mesh
 from corpus.discovery import find_models
 from corpus.layout import MODELS_FOLDER, STAGES
-from corpus.model_table import count_models
+from corpus.outcome import tell_outcome
 from corpus.receipts import receipt_name, write_receipt
 from corpus.stages import run_models
 from corpus.storage import read_json, write_json, write_parquet
@@ -215,8 +215,9 @@ def test_a_broken_certificate_is_one_row_with_a_sentence(text):
     assert rows["b"]["verdict"] is None and rows["c"]["genus"] == 1
     assert not (MODELS_FOLDER / "b" / receipt_name("certify")).exists()
     write_parquet("models.parquet", table)
-    counts, reasons = count_models("models.parquet")
-    assert counts == {"ok": 2, "rejected": 0, "failed": 1} and reasons[0].startswith("b: results/models/b")
+    lines, failed = tell_outcome(Path("models.parquet"))
+    assert failed == 1 and lines[0] == "3 models: 2 exact, 1 FAILED"
+    assert lines[2].startswith("  b: FAILED: results/models/b/certificate.json cannot be read")
 
 
 # Planning
@@ -229,7 +230,7 @@ def test_planning_takes_what_it_finds(monkeypatch):
     os.mkfifo("m/c.stl")
     put("m/d.gltf")
     monkeypatch.setattr("corpus.discovery.stamp_companions", lambda path: unreadable(path) if "gltf" in path else ())
-    models, others = find_models("m")
+    models, others, _ = find_models("m")
     assert list(models) == ["a", "d"]
     assert [name.split(" ")[0] for name in others] == ["m/b.stl", "m/c.stl", "m/loop"]
     assert "Too many levels of symbolic links" in others[0]
@@ -240,7 +241,7 @@ def test_a_folder_that_cannot_be_read_is_told(monkeypatch):
     put("m/a.stl", "m/sub/b.stl")
     scan = os.scandir
     monkeypatch.setattr(os, "scandir", lambda path: unreadable(path) if "sub" in str(path) else scan(path))
-    models, others = find_models("m")
+    models, others, _ = find_models("m")
     assert list(models) == ["a"] and others == ["m/sub/ (a folder that cannot be read: Permission denied)"]
 
 

@@ -12,10 +12,12 @@ import inspect_mesh
 import solids
 from corpus.surfaces import read_faces, read_points
 from pipeline import OPTIONS
+from reebslice.errors import ReebsliceError
 from reebslice.morse.critical_points import count_critical_points, morse_indices, vertex_indices
 from reebslice.morse.height_mesh import height_mesh
 from reebslice.morse.ordered_mesh import tilt_points
 from reebslice.tilt.choice import (
+    FRAMES,
     LEAST_ANGLE,
     MARGIN,
     assess_direction,
@@ -62,6 +64,22 @@ def test_rotation_takes_the_direction_to_vertical(direction):
     assert rotation[2].tolist() == list(direction)
     assert rotation @ rotation.T == pytest.approx(np.eye(3), abs=1e-15)
     assert np.linalg.det(rotation) == pytest.approx(1)
+
+
+@pytest.mark.parametrize("up", FRAMES)
+def test_an_axis_that_points_up_is_taken_as_z_is(up):
+    frame = FRAMES[up]
+    assert np.linalg.det(frame) == 1 and (frame @ frame.T == np.eye(3)).all()
+    assert frame[2].tolist() == [(-1 if up[0] == "-" else 1) * (axis == up[-1]) for axis in "xyz"]
+    solid = solids.box(1.0, 2.0, 3.0)
+    for mode in ("auto", "none"):
+        here = select_tilt(solid.points, solid.faces, mode, up=up)
+        there = select_tilt(solid.points @ frame.T, solid.faces, mode)
+        assert here["up"] == up and len(here["candidates"]) == len(there["candidates"])
+        assert np.array(here["direction"]) @ frame.T == pytest.approx(there["direction"], abs=1e-15)
+        assert (here["margin"], here["morse"]) == (pytest.approx(there["margin"]), there["morse"])
+    with pytest.raises(ReebsliceError, match="up is 'w': give one of 'x', 'y', 'z'"):
+        select_tilt(solid.points, solid.faces, up="w")
 
 
 def test_candidates_are_z_and_directions_ever_farther_from_it():

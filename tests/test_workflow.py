@@ -48,9 +48,9 @@ def run(folder, *arguments, options=OPTIONS, checkout=ROOT, meshes="meshes", env
     return done.returncode, done.stdout
 
 
-def planned(folder, **keywords):
+def planned(folder, *arguments, **keywords):
     """The jobs that Snakemake would run, as {rule: count}; nothing to do is {}."""
-    code, said = run(folder, "-n", **keywords)
+    code, said = run(folder, "-n", *arguments, **keywords)
     assert code == 0, said
     if "Nothing to be done" in said:
         return {}
@@ -141,9 +141,16 @@ def test_a_run_leaves_every_file_and_says_how_it_went(finished):
         receipt = read_json(folder / "results/models" / model / receipt_name("slice_mesh"))
         assert read_key(folder / "results/models" / model / "levels.parquet") == receipt["key"]
     assert set(stamps(folder, "torn")) == {"inspection.json", receipt_name("inspect_mesh")}
-    assert "2 of 3 models done" in said
-    assert "1 rejected: the reasons are in results/corpus/models.parquet" in said
-    assert said.index("1 rejected") > said.index("100%")
+    lines = said.splitlines()
+    assert len(lines) < 40
+    end = lines.index("3 models: 2 exact, 1 rejected")
+    assert lines[end - 1] == "100%  3 of 3 models done"
+    assert lines[end + 1] == "What needs a look:" and lines[end + 2].startswith("  torn: rejected: ")
+    assert lines[end + 3] == f"All models, with reasons and figures: {folder / 'results/corpus/models.parquet'}"
+    assert lines[end + 4].startswith("Complete log(s): ")
+    log = Path(lines[end + 4].partition(": ")[2]).read_text()
+    batches = list((folder / "results/status/draw").iterdir())
+    assert log.count("\nlocalrule ") == len(STAGES) * len(batches) + 2 and lines[end] in log  # every job
 
 
 def test_cores_batches_hash_seed_locale_and_time_zone_change_no_byte(finished, tmp_path):
@@ -201,7 +208,7 @@ def test_changed_added_and_removed_meshes_cost_themselves_alone(folder):
     assert set(models_table(folder)) == {"new", "sub__wide box", "tall"}
     assert stamps(folder, "sub__wide box") == before
     assert all(stamps(folder, "tall")[name] > old[name] for name in old)
-    assert "3 of 3 models done" in said and "rejected" not in said
+    assert "3 models: 3 exact" in said and "rejected" not in said
     assert planned(folder) == {}
 
 
@@ -270,7 +277,7 @@ def test_a_run_that_digests_everything_notices_what_has_size_and_time_of_before(
 def test_a_side_stage_that_is_switched_off_is_not_asked_for_and_its_results_stay_right(folder):
     before, off = results(folder), (*OPTIONS, "loops={find: false}")
     assert planned(folder, options=off) == {}  # what is there stays, and is withdrawn with what it was made of
-    write_box(folder / "meshes/tall.off", 2.0)
+    write_box(folder / "meshes/tall.off", 2.5)
     code, said = run(folder, options=off)
     assert code == 0, said
     assert {path.name for path in before if not (folder / path).exists()} == set(
@@ -288,7 +295,7 @@ def test_a_fault_of_the_program_stops_one_model_is_told_and_tried_again(folder, 
     script.write_text(re.sub(r"^def main\(.*\):\n", lambda head: head[0] + fault, whole, flags=re.MULTILINE))
     code, said = run(folder, checkout=checkout)
     assert code == 1
-    assert "1 of 3 models FAILED" in said and "1 rejected" in said
+    assert "1 of the models FAILED" in said and "3 models: 1 exact, 1 rejected, 1 FAILED" in said
     rows = models_table(folder)
     assert rows["tall"]["status"] == "failed" and rows["tall"]["reason"] == "draw: RuntimeError: no paper"
     assert rows["sub__wide box"]["status"] == "ok"

@@ -182,7 +182,7 @@ def try_way(folder, way):
 
 
 def run(folder, name, arguments, launcher=()):
-    """Run Snakemake in a folder of its own, itself or as the last argument of `launcher`; return what it said."""
+    """Run Snakemake in a folder of its own, itself or as the last argument of `launcher`; return all that it said."""
     say(f"{name}: begins")
     place = folder / name
     place.mkdir()
@@ -194,7 +194,7 @@ def run(folder, name, arguments, launcher=()):
         done = subprocess.run(command, stdout=log, stderr=subprocess.STDOUT, cwd=place, check=False)
     if done.returncode:
         say(f"{name}: Snakemake ended with {done.returncode}, see {place / 'run.log'}")
-    return (place / "run.log").read_text()
+    return "".join(path.read_text() for path in (place / "run.log", *place.glob(".snakemake/log/*.log")))
 
 
 def disturb(before):

@@ -13,56 +13,103 @@ import yaml
 from snakemake.exceptions import WorkflowError
 from snakemake.logging import logger
 
-WORKFLOW = Path(workflow.basedir) / "workflow"
+# This file's own place, which is not that of the main Snakefile where a workflow uses this one as a module.
+WORKFLOW = Path(str(workflow.current_basedir)).parent
 SCRIPTS = WORKFLOW / "scripts"
+if not SCRIPTS.is_dir():
+    raise WorkflowError(
+        f"reebslice cannot be run from {workflow.current_basedir}, as its scripts import packages beside them: "
+        "clone the repository, and name its workflow/Snakefile by a path"
+    )
 sys.path.insert(0, str(SCRIPTS))
 
 from corpus.batches import (
+    batch_alone,
     describe_meshes,
     form_batches,
     predict_gathering,
     predict_memory,
     predict_minutes,
     predict_work,
+    set_apart,
 )
 from corpus.code_digest import compiled_code_folder, digest_code, read_outputs
-from corpus.configuration import ConfigError, check_config, restore_texts
-from corpus.discovery import CorpusError, find_models
-from corpus.layout import MODELS_TABLE, STAGES, chosen_stages, line_behind
-from corpus.model_table import count_models
+from corpus.configuration import CONFIG_FILE, ConfigError, check_config, describe_sources, restore_texts
+from corpus.console import show_progress
+from corpus.discovery import CorpusError, find_models, pick_models
+from corpus.layout import BEFORE, MODELS_TABLE, STAGES, chosen_stages, line_behind
+from corpus.outcome import list_first, tell_outcome
 from corpus.process import find_full_disks, find_last_words
 from corpus.promises import find_broken_promises
 from corpus.receipts import forget_stage
+from corpus.sample_sheet import read_sheet
 from corpus.shared_files import check_file_sharing
+from corpus.targets import find_unmade, read_wishes, redirect_targets, withdraw_outdated
 
 os.environ.setdefault("NUMBA_CACHE_DIR", str(compiled_code_folder(SCRIPTS / "reebslice")))
 
 STARTED = time.time()
-TOLD = 3  # so many faults of a kind are told at the end, and the number of all
-
-# Configuration ---------------------------------------------------------------
 
 try:
     check_file_sharing(workflow.storage_settings)
-    SCHEMA = yaml.safe_load((WORKFLOW / "schemas" / "config.schema.yaml").read_text())
-    config = check_config(restore_texts(config, workflow.config_settings.config_args, SCHEMA), SCHEMA)
 except ConfigError as error:
     raise WorkflowError(str(error)) from None
+
+if str(workflow.modifier.modify_path("results")) != "results":
+    raise WorkflowError(
+        "reebslice cannot be used as a module with prefix: or replace_prefix:, which do not reach the files of the "
+        "models; run it in a folder of its own by --directory, or leave them out"
+    )
+
+# Configuration ---------------------------------------------------------------
+
+# As a module it is what the workflow that uses this one gives: its files and its command line are about itself.
+IS_MAIN = workflow.modifier.is_main_snakefile()
+PROGRESS = show_progress(workflow.logger_manager) if IS_MAIN and workflow.is_main_process else None
+SOURCES = [WORKFLOW.parent / CONFIG_FILE]
+
+
+configfile: SOURCES[0]
+
+
+if IS_MAIN and CONFIG_FILE.exists() and not CONFIG_FILE.samefile(SOURCES[0]):
+    SOURCES.append(CONFIG_FILE.absolute())
+
+    configfile: SOURCES[-1]
+
+
+SETTINGS = workflow.config_settings
+TOLD_SOURCES = describe_sources(SOURCES, SETTINGS.configfiles, SETTINGS.config) if IS_MAIN else "the module's config"
+
+SCHEMA = yaml.safe_load((WORKFLOW / "schemas" / "config.schema.yaml").read_text())
+
+try:
+    GIVEN = restore_texts(config, SETTINGS.config_args if IS_MAIN else (), SCHEMA)
+    config = check_config(GIVEN, SCHEMA)
+except ConfigError as error:
+    raise WorkflowError(f"{error}\nIt was taken from {TOLD_SOURCES}.") from None
+
+if workflow.is_main_process:
+    logger.info(f"Configuration: {TOLD_SOURCES}")
 
 # Models and batches ----------------------------------------------------------
 
 try:
-    MODELS, OTHER_FILES = find_models(config["meshes"])
-except CorpusError as error:
+    FOUND, OTHER_FILES, RENAMED = find_models(config["meshes"])
+    MODELS = pick_models(FOUND, config["only"])
+    OWN = read_sheet(config["models"], FOUND, GIVEN, SCHEMA)  # configurations of models that have one of their own
+except (ConfigError, CorpusError) as error:
     raise WorkflowError(str(error)) from None
 
-BATCHES = form_batches(MODELS, **config["batches"])
+BATCHES = set_apart(form_batches(MODELS, **config["batches"]), config["only"])
+# Of any model a file can be asked for: then it has a batch of its own.
+MEMBERS = {batch_alone(model): [model] for model in MODELS} | BATCHES
 CHOSEN = chosen_stages(config)
 CODE = {stage: digest_code(SCRIPTS / f"{stage}.py") for stage in (*STAGES, "collect_models")}
 
 
 wildcard_constraints:
-    batch=r"batch-(all|[01]+)|alone-[0-9a-f]+",
+    batch=r"batch-(all|[01]+)(-[0-9a-f]+)?|alone-[0-9a-f]+",
 
 
 def withdraw_table(table):
@@ -78,9 +125,11 @@ def withdraw_table(table):
 # again by the default target, so its batch runs, restores what is missing and passes over
 # the rest.
 WITHDRAWN = []
+WISHES = []  # files of models that are asked for
 if workflow.is_main_process:
-    OUTPUTS = {stage: read_outputs(SCRIPTS / f"{stage}.py") for stage in CHOSEN}
-    WITHDRAWN = find_broken_promises(BATCHES, OUTPUTS, config["verify"])
+    OUTPUTS = {stage: read_outputs(SCRIPTS / f"{stage}.py") for stage in BEFORE}
+    CHOSEN_OUTPUTS = {stage: OUTPUTS[stage] for stage in CHOSEN}
+    WITHDRAWN = find_broken_promises(BATCHES, CHOSEN_OUTPUTS, config["verify"])
     for table in WITHDRAWN:
         withdraw_table(table)
     if OTHER_FILES:
@@ -88,13 +137,36 @@ if workflow.is_main_process:
             f"{len(OTHER_FILES)} names in {config['meshes']} are no meshes that can be read "
             f"and are left out: {', '.join(OTHER_FILES[:3])}{' ...' if len(OTHER_FILES) > 3 else ''}"
         )
+    if RENAMED:
+        logger.warning(
+            f"{len(RENAMED)} meshes differ from another in the ending of their names alone, and are models called after "
+            f"that too: {', '.join(RENAMED[:4])}{' ...' if len(RENAMED) > 4 else ''}"
+        )
+    if OWN:
+        logger.info(f"{config['models']} says what is another for {len(OWN)} of {len(FOUND)} models.")
+    if config["only"] is not None:
+        logger.info(f"Only {len(MODELS)} of {len(FOUND)} models, as the key only says.")
+
+
+def ask_for_tables(targets):
+    """Translate targets: files of models into the status tables that stand for them."""
+    try:
+        WISHES[:], others = read_wishes(targets, MODELS, OUTPUTS, CHOSEN)
+    except CorpusError as error:
+        raise WorkflowError(str(error)) from None
+    withdraw_outdated(WISHES, OUTPUTS, config["verify"])
+    return {*others, *(wish.status for wish in WISHES)}
+
+
+if workflow.is_main_process and IS_MAIN:
+    redirect_targets(workflow, ask_for_tables)
 
 # Functions for the rules -----------------------------------------------------
 
 
 def paths_of(wildcards):
     """Mesh files of a batch, in the order of models_of."""
-    return [MODELS[model].path for model in BATCHES[wildcards.batch]]
+    return [MODELS[model].path for model in MEMBERS[wildcards.batch]]
 
 
 def inputs_of(wildcards):
@@ -103,29 +175,39 @@ def inputs_of(wildcards):
     It reads {x} as a wildcard and <x> as a path variable. Of the others
     stamp_of tells when they change.
     """
-    meshes = [MODELS[model] for model in BATCHES[wildcards.batch]]
+    meshes = [MODELS[model] for model in MEMBERS[wildcards.batch]]
     companions = [path for mesh in meshes for path, size, _ in mesh.companions if size is not None]
     return [path for path in paths_of(wildcards) + companions if not set("{}<>") & set(path)]
 
 
 def models_of(wildcards):
     """Ids of a batch's models."""
-    return BATCHES[wildcards.batch]
+    return MEMBERS[wildcards.batch]
 
 
 def stamp_of(wildcards):
     """What changes when one of the batch's mesh files is another."""
-    return describe_meshes(MODELS, BATCHES[wildcards.batch])
+    return describe_meshes(MODELS, MEMBERS[wildcards.batch])
+
+
+def own_options(pick):
+    """Function that tells the options of those of a batch's models that have their own at a stage, by model.
+
+    `pick` gives the options of the stage by a configuration.
+    """
+    common = pick(config)
+    own = {model: pick(configured) for model, configured in OWN.items() if pick(configured) != common}
+    return lambda wildcards: {model: own[model] for model in MEMBERS[wildcards.batch] if model in own}
 
 
 def memory_of(wildcards, attempt):
     """Memory for one stage of a batch, in MB."""
-    return int(predict_memory(MODELS, BATCHES[wildcards.batch]) * attempt)
+    return int(predict_memory(MODELS, MEMBERS[wildcards.batch]) * attempt)
 
 
 def runtime_of(wildcards, attempt):
     """Time for one stage of a batch, in minutes."""
-    return int(predict_minutes(MODELS, BATCHES[wildcards.batch]) * attempt)
+    return int(predict_minutes(MODELS, MEMBERS[wildcards.batch]) * attempt)
 
 
 def priority_at(stage):
@@ -135,7 +217,7 @@ def priority_at(stage):
     goes through its stages alone while other cores have nothing to do.
     """
     left = len(line_behind(stage)) + 1  # the last stages, which take the longest, count as one more
-    return lambda wildcards: left * predict_work(MODELS, BATCHES[wildcards.batch])
+    return lambda wildcards: left * predict_work(MODELS, MEMBERS[wildcards.batch])
 
 
 def status_tables():
@@ -156,6 +238,18 @@ def gathering_runtime(wildcards, attempt):
 # The beginning and the end of a run ------------------------------------------
 
 
+def plan_progress():
+    """Tell the console what is to be done."""
+    if PROGRESS:
+        jobs = {
+            workflow.dag.jobid(job): (job.rule.name, job.wildcards_dict.get("batch"))
+            for job in workflow.dag.needrun_jobs()
+        }
+        batches = {batch for _, batch in jobs.values() if batch} if WISHES else BATCHES
+        work = {batch: predict_work(MODELS, MEMBERS[batch]) for batch in batches}
+        PROGRESS.plan(jobs, {batch: MEMBERS[batch] for batch in batches}, work)
+
+
 def keep_going():
     """Have a job that is killed stop nothing but what is behind it, as --keep-going does."""
     workflow.scheduler.keepgoing = True
@@ -173,32 +267,39 @@ def drop_rate_limit():
 
 
 def forget_forced():
-    """Have the stages that --forceall or --forcerun names compute what receipts would spare them."""
+    """Have the stages that --forceall, --forcerun or --force names compute what receipts would spare them."""
     settings = workflow.dag_settings
+    models = {wish.model for wish in WISHES} or MODELS
     for stage in STAGES:
         if settings.forceall or stage in settings.forcerun:
-            forget_stage(MODELS, stage)
+            forget_stage(models, stage)
+    for wish in WISHES if settings.forcetargets else ():
+        forget_stage([wish.model], wish.stage)
 
 
 def close_run():
     """Say what came out; end with an error where models failed, and tell of the first why."""
-    table = MODELS_TABLE
-    if not table.exists():
+    if WISHES:
+        close_wishes()
         return
-    counts, reasons = count_models(table)
-    total = sum(counts.values())
-    logger.info(f"{counts['ok']} of {total} models done: results/models/, {table}")
-    if counts["rejected"]:
-        logger.warning(
-            f"{counts['rejected']} rejected: the reasons are in {table} (column reason) "
-            "and in results/models/*/inspection.json"
-        )
-    if counts["failed"]:
+    if MODELS_TABLE.exists():
+        lines, failed = tell_outcome(MODELS_TABLE)
+        if failed:
+            raise WorkflowError(
+                f"{failed} of the models FAILED, by no fault found in their meshes. The others are complete. The "
+                "tracebacks are in results/logs/. The next run tries the failed ones again.\n" + "\n".join(lines)
+            )
+        logger.info("\n".join(lines))
+
+
+def close_wishes():
+    """Say of the files that were asked for where they are; end with an error where one was not made, and why."""
+    unmade = find_unmade(WISHES)
+    if unmade:
         raise WorkflowError(
-            f"{counts['failed']} of {total} models FAILED, by no fault found in their meshes. The others are complete. "
-            f"The reasons are in {table} (column reason), the tracebacks in results/logs/. The next run tries the "
-            f"failed ones again.\n{list_first(reasons)}"
+            f"{len(unmade)} of {len(WISHES)} files asked for were not made:\n" + "\n".join(list_first(unmade))
         )
+    logger.info("\n".join(["Made, or there already:", *list_first([wish.path for wish in WISHES])]))
 
 
 def explain_error(log):
@@ -208,11 +309,5 @@ def explain_error(log):
     logger.error(
         "The run did not finish. Models that were completed are kept; start it again, as it is, to go on. "
         f"{MODELS_TABLE}, if it is there, is that of an earlier run. "
-        f"The log is {', '.join(map(str, log)) or 'not written'}\n{list_first(told)}"
+        f"The log is {', '.join(map(str, log)) or 'not written'}\n" + "\n".join(list_first(told))
     )
-
-
-def list_first(lines):
-    """The first of some lines, indented, and how many more there are."""
-    more = [f"and {len(lines) - TOLD} more"] if len(lines) > TOLD else []
-    return "\n".join(f"  {line}" for line in lines[:TOLD] + more)

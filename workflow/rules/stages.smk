@@ -3,7 +3,7 @@
 # table of the batch, which says of each model: ok, rejected, failed or skipped.
 # A model whose inputs, options and code are those of last time is passed over.
 # Options go to the stages that use them, so a changed key reaches those and the
-# ones behind, and no other.
+# ones behind, and no other; so do those of single models, from the sheet.
 
 
 # Reads the mesh, makes it a closed oriented surface or rejects it with a reason.
@@ -26,6 +26,7 @@ rule inspect_mesh:
         paths=paths_of,
         stamp=stamp_of,
         options=config["inspect"],
+        own=own_options(lambda config: config["inspect"]),
         code=CODE["inspect_mesh"],
     script:
         "../scripts/inspect_mesh.py"
@@ -48,6 +49,7 @@ rule select_tilt:
         runtime=runtime_of,
     params:
         options=config["tilt"],
+        own=own_options(lambda config: config["tilt"]),
         code=CODE["select_tilt"],
     script:
         "../scripts/select_tilt.py"
@@ -70,6 +72,7 @@ rule slice_mesh:
         runtime=runtime_of,
     params:
         options=config["levels"],
+        own=own_options(lambda config: config["levels"]),
         code=CODE["slice_mesh"],
     script:
         "../scripts/slice_mesh.py"
@@ -137,6 +140,7 @@ rule synthesize_edges:
         runtime=runtime_of,
     params:
         options=config["edges"] | {"levels": config["levels"]},
+        own=own_options(lambda config: config["edges"] | {"levels": config["levels"]}),
         code=CODE["synthesize_edges"],
     script:
         "../scripts/synthesize_edges.py"
@@ -159,6 +163,7 @@ rule certify:
         runtime=runtime_of,
     params:
         options=config["levels"],
+        own=own_options(lambda config: config["levels"]),
         code=CODE["certify"],
     script:
         "../scripts/certify.py"

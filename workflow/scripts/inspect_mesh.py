@@ -2,8 +2,9 @@
 
 Writes the record `inspection.json`, also of a rejected mesh, and the surface
 that every later stage works on: `vertices`, `faces` and `shells`. Of the file
-the record tells the length `unit` of its coordinates, null where the format
-has none, and `notes`, sentences on what it holds besides this surface.
+the record tells the length `unit` of its coordinates, null where neither its
+format nor the configuration names one, and `notes`, sentences on what it holds
+besides this surface.
 """
 
 from pathlib import Path
@@ -20,19 +21,27 @@ OUTPUTS = ("inspection.json", "vertices.parquet", "faces.parquet", "shells.parqu
 
 def main(source, target, options):
     """Inspect the mesh file `source`; leave `OUTPUTS` in the folder `target`."""
-    target = Path(target)
+    target, unit = Path(target), options.get("unit")
+    options = {key: value for key, value in options.items() if key != "unit"}
     try:
         mesh = read_mesh(source)
     except MeshFormatError as error:
-        tables, inspection = None, {**blank_record(str(error)), "unit": None, "notes": []}
+        tables, inspection = None, {**blank_record(str(error)), "unit": unit, "notes": []}
     else:
         tables, inspection = inspect_surface(mesh.points, mesh.faces, options)
-        inspection |= {"unit": mesh.unit, "notes": list(mesh.notes)}
+        inspection |= {"unit": unit or mesh.unit, "notes": [*mesh.notes, *_contradict(unit, mesh.unit)]}
     write_json(target / "inspection.json", inspection)
     if tables is None:
         raise Rejected(inspection["reason"])
     for name, table in tables.items():
         write_table(target / f"{name}.parquet", name, table)
+
+
+def _contradict(unit, told):
+    """Return a sentence where the file says another unit than the configuration, in a list."""
+    if unit in (None, told) or told is None:
+        return []
+    return [f"The file says {told}; the configuration, which counts, says {unit}."]
 
 
 if "snakemake" in globals():

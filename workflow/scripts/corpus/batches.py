@@ -37,13 +37,32 @@ def form_batches(models, size, most):
     batches, shared = {}, {}
     for model, mesh in models.items():
         if mesh.size > LARGE_MESH or _work(mesh) > limit:
-            batches[f"alone-{_digest(model)[:12]}"] = [model]
+            batches[batch_alone(model)] = [model]
         else:
             shared[f"{int(_digest(model)[:16], 16):064b}"] = model
     work = {place: _work(models[model]) for place, model in shared.items()}
     for prefix, places in _split_by_prefix("", sorted(shared), work, limit):
         batches[f"batch-{prefix or 'all'}"] = sorted(shared[place] for place in places)
     return dict(sorted(batches.items()))
+
+
+def batch_alone(model):
+    """Return the name of the batch of this model alone."""
+    return f"alone-{_digest(model)[:12]}"
+
+
+def set_apart(batches, only):
+    """Return the batches of a part of the corpus under names of their own, so that those of the whole stay as they are.
+
+    Parameters
+    ----------
+    batches : dict of str to list of str
+    only : str, list of str, or None
+        What picked the part; None is the whole.
+    """
+    part = _digest(repr([only] if isinstance(only, str) else only))[:12]
+    named = {name if only is None or name.startswith("alone-") else f"{name}-{part}": batches[name] for name in batches}
+    return dict(sorted(named.items()))
 
 
 def _find_limit(models, size, most):

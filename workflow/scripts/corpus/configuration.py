@@ -2,6 +2,7 @@
 
 import difflib
 import math
+from pathlib import Path
 
 import jsonschema
 
@@ -9,6 +10,9 @@ from reebslice.slicing.sampling_rule import MOST_LEVELS, sampling_rule
 
 # The lengths in which a mesh that is read can be told: see LARGEST and SMALLEST of reebslice.mesh.faults.
 LARGEST_LENGTH, SMALLEST_LENGTH = 1e75, 1e-75
+
+# Of the checkout, with every key, and of the working directory, with what is another there.
+CONFIG_FILE = Path("config", "config.yaml")
 
 # What JSON schema calls a type, said to a person.
 TYPES = {
@@ -23,7 +27,11 @@ TYPES = {
 
 
 class ConfigError(ValueError):
-    """The configuration cannot be used; one line per fault, naming key, value and what is allowed."""
+    """The configuration, or the sheet of models, cannot be used; one line per fault: place, value, what is allowed."""
+
+    def __init__(self, text, faults=()):
+        super().__init__("\n".join([text, *(f"  {fault}" for fault in faults)]))
+        self.faults = tuple(faults)
 
 
 def check_config(config, schema):
@@ -42,7 +50,7 @@ def check_config(config, schema):
         config = _complete(config, schema)
         faults = _contradictions(config)
     if faults:
-        raise ConfigError("\n".join(["the configuration cannot be used:", *(f"  {fault}" for fault in faults)]))
+        raise ConfigError("the configuration cannot be used:", faults)
     levels = config["levels"]
     levels["distance"], levels["feature_size"] = sampling_rule(levels["distance"], levels["feature_size"])
     return config
@@ -60,11 +68,36 @@ def restore_texts(config, arguments, schema):
     arguments : iterable of str
         The entries of `--config`, as typed.
     schema : dict
-        Of its keys on the top level, those of type string are restored.
+        Of its keys on the top level, those that may be a string are restored.
     """
     typed = dict(argument.split("=", 1) for argument in arguments if "=" in argument)
-    texts = {key for key, part in schema["properties"].items() if part.get("type") == "string"}
+    texts = {key for key, part in schema["properties"].items() if "string" in _kinds(part)}
+    texts -= {key for key, value in config.items() if isinstance(value, (list, dict))}
     return config | {key: value.strip("'\"") for key, value in typed.items() if key in texts}
+
+
+def _kinds(schema):
+    """Return the types that a schema allows."""
+    kinds = schema.get("type", ())
+    return (kinds,) if isinstance(kinds, str) else tuple(kinds)
+
+
+def describe_sources(files, given_files, given_keys):
+    """Return a sentence's part on where the configuration comes from, the later winning over the earlier.
+
+    Parameters
+    ----------
+    files : sequence of path
+        Of the checkout and of the working directory.
+    given_files : sequence of path
+        Of `--configfile`.
+    given_keys : mapping of str to object
+        Of `--config`.
+    """
+    told = [str(file) for file in files] + [f"--configfile {file}" for file in given_files]
+    if given_keys:
+        told.append(f"--config {' '.join(given_keys)}")
+    return ", then ".join(told)
 
 
 def _read_texts(value, schema):
@@ -81,13 +114,12 @@ def _read_texts(value, schema):
         return {key: _read_texts(entry, parts.get(key, {})) for key, entry in value.items()}
     if isinstance(value, list):
         return [_read_texts(entry, schema.get("items", {})) for entry in value]
-    kinds = schema.get("type", ())
-    kinds = (kinds,) if isinstance(kinds, str) else tuple(kinds)
+    kinds = _kinds(schema)
     if isinstance(value, str) and "null" in kinds and value in ("null", "~", ""):
         return None
     if kinds == ("boolean",) and value in ("true", "false"):  # as --config verify=true hands over
         return value == "true"
-    if kinds == ("string",) and type(value) in (int, float):
+    if "string" in kinds and type(value) in (int, float):
         return str(value)
     if kinds == ("integer",) and type(value) is float and value.is_integer():
         return int(value)
@@ -124,6 +156,10 @@ def _contradictions(config):
     if tilt["mode"] != "direction" and tilt["direction"] is not None:
         faults.append(
             f"tilt.direction is given, but tilt.mode is {tilt['mode']!r}: write mode: direction, or remove it"
+        )
+    if tilt["mode"] == "direction" and tilt["up"] != "z":
+        faults.append(
+            f"tilt.up is {tilt['up']!r}, but tilt.mode is 'direction', which takes tilt.direction: remove one"
         )
     size = max(map(abs, tilt["direction"] or [1.0]))
     if not size:
@@ -183,11 +219,16 @@ def _say_unknown(place, error):
     known = list(error.schema["properties"])
     sentences = []
     for key in (str(key) for key in error.instance if key not in known):
-        near = difflib.get_close_matches(key, known, n=1, cutoff=0.5)
-        guess = f"did you mean {_join(place, near[0])}? " if near else ""
+        near = near_word(key, known)
+        guess = f"did you mean {_join(place, near)}? " if near else ""
         allowed = f"allowed {'in ' + place if place else 'at the top'}: {', '.join(known)}"
         sentences.append(f"{_join(place, key)} is not a key; {guess}{allowed}")
     return "\n  ".join(sentences)
+
+
+def near_word(word, words):
+    """Return the one of some words that is nearest to another, or None where none is near."""
+    return next(iter(difflib.get_close_matches(word, words, n=1, cutoff=0.5)), None)
 
 
 def _allowed(error):

@@ -1,7 +1,10 @@
 """Discovery: which meshes there are, and what each is called."""
 
+import difflib
+import fnmatch
 import os
 from dataclasses import dataclass
+from pathlib import Path
 
 from .companions import stamp_companions
 
@@ -29,15 +32,18 @@ class InputFile:
 # Discovery
 
 
-def find_models(folder, beside=("results", ".snakemake")):
-    """Find every mesh under `folder`, recursively.
+def find_models(meshes, beside=("results", ".snakemake")):
+    """Find every mesh in a folder, recursively, or take the one file that is named.
+
+    Files whose paths differ in their endings alone are models called after
+    path and ending: `part.stl` beside `part.off` becomes `part_stl`.
 
     Parameters
     ----------
-    folder : str
-        Relative to the working directory, or absolute.
+    meshes : str
+        Folder or file, relative to the working directory, or absolute.
     beside : sequence of str
-        Folders not to descend into, though they lie under `folder`.
+        Folders not to descend into, though they lie under the folder.
 
     Returns
     -------
@@ -45,36 +51,108 @@ def find_models(folder, beside=("results", ".snakemake")):
     others : list of str
         What else is there, sorted: files that are neither meshes nor known to
         accompany them, and names of meshes that lead to no file.
+    renamed : list of str
+        Ids of the models that are called after their endings too, sorted.
 
     Raises
     ------
     CorpusError
-        When the folder is missing or holds no mesh, when two files have one
-        id, or when a name cannot be used.
+        When there is no such folder or file, or no mesh in it, when two files
+        have one id, or when a name cannot be used.
     """
-    if not os.path.isdir(folder):
+    if os.path.isfile(meshes):
+        folder, files, others = os.path.dirname(meshes), [(meshes, Path(meshes))], []
+        if not is_mesh(meshes):
+            raise CorpusError(f"meshes: the file {meshes!r} is no mesh; its name must end in {', '.join(ENDINGS)}")
+    elif os.path.isdir(meshes):
+        folder, (files, others) = meshes, _list_files(meshes, beside)
+    else:
         raise CorpusError(
-            f"meshes: there is no folder {folder!r} in {os.getcwd()!r}; put your meshes there, or name "
-            "their folder, in config/config.yaml or by --config meshes=FOLDER"
+            f"meshes: there is no folder {meshes!r} in {os.getcwd()!r}, and no file; put your meshes there, or name "
+            "their folder, or one of them, in config/config.yaml or by --config meshes=FOLDER"
         )
-    skipped = {os.path.realpath(path) for path in beside}
-    models, others = {}, []
-    for path, entry, fault in _walk(folder, skipped):
-        stem, ending = os.path.splitext(path)
-        if fault or ending.lower() not in ENDINGS:
-            others += [f"{path} ({fault})" if fault else path] if ending.lower() not in COMPANIONS else []
-            continue
-        model = make_model_id(os.path.relpath(stem, folder))
-        if model in models:
-            raise CorpusError(
-                f"meshes: {models[model].path!r} and {path!r} would both be the model {model!r}; rename one of them"
-            )
-        models[model] = _stamp(path, entry)
-    if not models:
+    if not files:
         raise CorpusError(
-            f"meshes: the folder {folder!r} holds no mesh; put files there that end in {', '.join(ENDINGS)}"
+            f"meshes: the folder {meshes!r} holds no mesh; put files there that end in {', '.join(ENDINGS)}"
         )
-    return dict(sorted(models.items())), sorted(others)
+    models, renamed = _name_models(files, folder)
+    return dict(sorted(models.items())), sorted(others), sorted(renamed)
+
+
+def is_mesh(path):
+    """Whether the ending of a path is that of a mesh."""
+    return os.path.splitext(path)[1].lower() in ENDINGS
+
+
+def _list_files(folder, beside):
+    """Return path and entry of all meshes below a folder, and what else is there that does not accompany them."""
+    files, others = [], []
+    for path, entry, fault in _walk(folder, {os.path.realpath(path) for path in beside}):
+        if is_mesh(path) and not fault:
+            files.append((path, entry))
+        elif os.path.splitext(path)[1].lower() not in COMPANIONS:
+            others.append(f"{path} ({fault})" if fault else path)
+    return files, others
+
+
+def _name_models(files, folder):
+    """Return the models by their ids, and the ids of those that are called after their endings too."""
+    namesakes = {}
+    for path, entry in files:
+        stem = os.path.relpath(os.path.splitext(path)[0], folder or ".")
+        namesakes.setdefault(make_model_id(stem), []).append((path, entry))
+    models, renamed = {}, []
+    for name, group in namesakes.items():
+        for path, entry in group:
+            model = name
+            if len(group) > 1:
+                model = make_model_id(f"{name}_{os.path.splitext(path)[1][1:]}")
+                renamed.append(model)
+            if model in models:
+                raise CorpusError(
+                    f"meshes: {models[model].path!r} and {path!r} would both be the model {model!r}; rename one of them"
+                )
+            models[model] = _stamp(path, entry)
+    return models, renamed
+
+
+def pick_models(models, only):
+    """Return the models whose ids match.
+
+    Parameters
+    ----------
+    models : dict of str to InputFile
+    only : str, list of str, or None
+        Ids, or patterns with `*`, `?` and `[...]`, of which one must match; None matches all.
+
+    Raises
+    ------
+    CorpusError
+        When a pattern matches none; names the ids that are near.
+    """
+    if only is None:
+        return models
+    picked = set()
+    for pattern in [only] if isinstance(only, str) else only:
+        matching = match_models(models, pattern)
+        if not matching:
+            raise CorpusError(f"only: {pattern!r} matches none of {len(models)} models; {tell_near(pattern, models)}")
+        picked.update(matching)
+    return {model: mesh for model, mesh in models.items() if model in picked}
+
+
+def match_models(models, pattern):
+    """List the model of this id, or else those whose ids match the pattern."""
+    return [pattern] if pattern in models else fnmatch.filter(models, pattern)
+
+
+def tell_near(word, words):
+    """Say which of some words are near to one that is not among them, or how they begin."""
+    near = difflib.get_close_matches(word.strip("*"), words, n=3, cutoff=0.5)
+    if near:
+        return f"did you mean {' or '.join(map(repr, near))}?"
+    first = sorted(words)
+    return f"there are {', '.join(map(repr, first[:3]))}{' ...' if len(first) > 3 else ''}"
 
 
 def _stamp(path, entry):

@@ -1,13 +1,10 @@
 """One table over all models: how each ended and why, its figures, seconds and memory."""
 
 import re
-from collections import Counter
 from contextlib import suppress
 from functools import cache
 
 import pyarrow as pa
-import pyarrow.compute as pc
-import pyarrow.parquet as pq
 
 from .layout import MODELS_FOLDER, SIDE_STAGES, STAGES, read_status
 from .receipts import forget_stage
@@ -34,22 +31,6 @@ def make_model_table(tables):
     for paths in zip(*(tables[stage] for stage in stages), strict=True):  # rows as objects are held of one batch
         parts.append(_make_table(_join_stages(stages, paths), last))
     return _concatenate(parts, last).sort_by("model")
-
-
-def count_models(path):
-    """Return how many models of the table at `path` ended as ok, rejected and failed; and why those that failed did.
-
-    Returns
-    -------
-    counts : dict of str to int
-    reasons : list of str
-        Id and reason of every model that failed.
-    """
-    table = pq.ParquetFile(path).read(columns=["model", "status", "reason"])
-    counts = Counter({entry["values"]: entry["counts"] for entry in pc.value_counts(table["status"]).to_pylist()})
-    failed = table.filter(pc.equal(table["status"], "failed")).to_pylist()
-    reasons = [f"{row['model']}: {row['reason']}" for row in failed]
-    return {status: counts[status] for status in ("ok", "rejected", "failed")}, reasons
 
 
 def _join_stages(stages, paths):

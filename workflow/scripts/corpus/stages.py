@@ -61,21 +61,24 @@ def run_batch(snakemake, main, outputs, digest=None):
     Reads the models from ``input.status``, the status table of the stage
     before, or, in the first stage, from ``params.models`` and
     ``params.paths``, since not every path of a mesh can be an input; `digest`
-    then gives the content key of a mesh file. Writes the
+    then gives the content key of a mesh file. The models of ``params.own``
+    have options of their own, the others ``params.options``. Writes the
     status table of this stage. Everything that is printed goes to the log.
     """
-    stage, parameters = snakemake.rule, snakemake.params
+    status, parameters = Path(snakemake.output.status), snakemake.params
+    stage = status.parent.name  # a workflow that uses this one as a module may call its rules otherwise
     print_into(snakemake.log[0])
     trim_startup()
     if "status" in snakemake.input.keys():  # noqa: SIM118, a list with names
         rows = read_status(snakemake.input.status)
     else:
         rows = _first_rows(parameters.models, parameters.paths, digest)
+    own = parameters.get("own", {})
+    rows = [row | {"options": own[row["model"]]} if row["model"] in own else row for row in rows]
     # Of the configuration, not the parameters: other limits are no reason to run what has been done within these.
     limits = Limits(**snakemake.config["limits"])
     done = run_models(stage, rows, main, outputs, parameters.options, parameters.code, digest, limits)
     done = vouch(stage, done, outputs)
-    status = Path(snakemake.output.status)
     remove_remains(status.parent, status.name)
     write_parquet(status, pa.Table.from_pylist(done, schema=STATUS_SCHEMA))
 
@@ -83,7 +86,7 @@ def run_batch(snakemake, main, outputs, digest=None):
 def run_models(stage, rows, main, outputs, options, code, digest=None, limits=None):
     """Run the stage `main` on models, one after the other; return their rows of the status table.
 
-    `rows` are those of the stage before. A model's files lie in
+    `rows` are those of the stage before, of a model that has some with its own `options`. A model's files lie in
     :data:`MODELS_FOLDER` of the working directory; one whose receipt still
     holds is not computed, and keeps its seconds and memory. Within `limits`,
     :class:`.workers.Limits`, a child process does the work; without, this one.
@@ -126,7 +129,7 @@ def _run_model(task, row):
             withdraw(folder, task.stage, task.outputs)
         reason = row["reason"] if row["status"] == "skipped" else f"{row['status']} earlier: {row['reason']}"
         return _new_row(row, {"status": "skipped", "reason": reason, "key": ""})
-    key = make_key(row["key"], task.options, task.code)
+    key = make_key(row["key"], row.get("options", task.options), task.code)
     start, told = time.perf_counter(), "already there"
     try:
         with _alone_in(folder):
@@ -175,7 +178,7 @@ def _compute(task, row, folder, key):
         if row["key"] is None:
             raise Failed(row["reason"])
         with unchanged_inputs(task.stage, row, task.digest) as keys, content_key(key, keys):
-            task.main(source, scratch, task.options)
+            task.main(source, scratch, row.get("options", task.options))
         _check_written(scratch, task.outputs)
     except Rejected as rejection:
         status, reason = "rejected", _one_line(str(rejection))
@@ -207,7 +210,7 @@ def _leave(task, scratch, folder, receipt, start):
 def _lose(task, row, lost):
     """Leave of a model whose process ended what a failure leaves; return its new row."""
     folder = MODELS_FOLDER / row["model"]
-    key = make_key(row["key"], task.options, task.code)
+    key = make_key(row["key"], row.get("options", task.options), task.code)
     receipt = {"before": row["key"]} | _failure(key, f"{task.stage}: {lost.reason}", lost.seconds)
     log_line(f"{row['model']}: failed. {receipt['reason']}")
     with suppress(OSError), _alone_in(folder):

@@ -20,7 +20,7 @@ def find_handles(handles, vertices, operation, side=None):
         The first handle of this operation, and side, at each vertex: a multiple saddle has several. None where
         there is no such handle, as the event cancels with others within its slab.
     """
-    first: dict = {}
+    first = {}
     columns = (handles[name].to_pylist() for name in ("handle", "vertex", "operation", "side"))
     for handle, vertex, found, on in zip(*columns):
         if found == operation and side in (None, on):

@@ -23,6 +23,15 @@ from ..morse.critical_points import count_critical_points
 from ..morse.ordered_mesh import tilt_points
 
 MODES = ("auto", "none", "direction")
+# The axes of a frame whose third points that way, in coordinates of the file: y up is turned about x.
+FRAMES = {
+    "x": np.array([[0.0, 1.0, 0.0], [0.0, 0.0, 1.0], [1.0, 0.0, 0.0]]),
+    "y": np.array([[1.0, 0.0, 0.0], [0.0, 0.0, -1.0], [0.0, 1.0, 0.0]]),
+    "z": np.eye(3),
+    "-x": np.array([[0.0, 1.0, 0.0], [0.0, 0.0, -1.0], [-1.0, 0.0, 0.0]]),
+    "-y": np.array([[1.0, 0.0, 0.0], [0.0, 0.0, 1.0], [0.0, -1.0, 0.0]]),
+    "-z": np.array([[1.0, 0.0, 0.0], [0.0, -1.0, 0.0], [0.0, 0.0, -1.0]]),
+}
 
 # The first tilted direction that `auto` tries is so far from z, in degrees: a part as wide as it is high then changes
 # its heights by less than 0.02 %. Each of the next is twice as far.
@@ -36,7 +45,13 @@ MARGIN = 1000.0
 UNIT_ROUNDOFF = 2.0**-53
 
 
-def select_tilt(points: ArrayLike, faces: ArrayLike, mode: str = "auto", direction: ArrayLike | None = None) -> dict:
+def select_tilt(
+    points: ArrayLike,
+    faces: ArrayLike,
+    mode: str = "auto",
+    direction: ArrayLike | None = None,
+    up: str = "z",
+) -> dict:
     """Choose the direction of height of a surface.
 
     Parameters
@@ -46,12 +61,15 @@ def select_tilt(points: ArrayLike, faces: ArrayLike, mode: str = "auto", directi
     faces : (m, 3) int
         Vertex ids of a closed surface.
     mode : {"auto", "none", "direction"}
-        "none" takes z, and "direction" the one given. "auto" takes the first of
-        :func:`candidate_directions`, of which z is the first, whose `certainty`
-        is at least `MARGIN`; if there is none, the "proven" one of the largest
-        certainty; if there is none of these either, z.
+        "none" takes the axis `up`, and "direction" the one given. "auto" takes
+        the first of :func:`candidate_directions`, of which that axis is the
+        first, whose `certainty` is at least `MARGIN`; if there is none, the
+        "proven" one of the largest certainty; if there is none of these
+        either, the axis.
     direction : (3,) float, optional
         With mode "direction", a vector that points up, of any length but 0.
+    up : {"z", "y", "x", "-z", "-y", "-x"}
+        With the other modes, the axis of the file that points up.
 
     Returns
     -------
@@ -59,7 +77,7 @@ def select_tilt(points: ArrayLike, faces: ArrayLike, mode: str = "auto", directi
         The record that `tilt.json` holds: the figures of
         :func:`assess_direction` for the chosen direction; `critical`, as
         :func:`critical_points.count_critical_points` counts there; `rotation`,
-        of :func:`rotation_to_vertical`; `mode`; and `candidates`, the figures
+        of :func:`rotation_to_vertical`; `mode`, `up`; and `candidates`, the figures
         of all directions that were tried, in this order. It does not depend on
         the order of vertices and faces unless neighbours coincide.
 
@@ -68,7 +86,7 @@ def select_tilt(points: ArrayLike, faces: ArrayLike, mode: str = "auto", directi
     NotASolidError
         The arrays cannot be used, or the faces point inward.
     ReebsliceError
-        The mode is none of these, or the direction is none.
+        The mode or the axis is none of these, or the direction is none.
 
     Examples
     --------
@@ -82,10 +100,12 @@ def select_tilt(points: ArrayLike, faces: ArrayLike, mode: str = "auto", directi
     points, faces = take_mesh(points, faces)
     if mode not in MODES:
         raise ReebsliceError(f"mode is {mode!r}: give one of {', '.join(map(repr, MODES))}.")
+    if up not in FRAMES:
+        raise ReebsliceError(f"up is {up!r}: give one of {', '.join(map(repr, FRAMES))}.")
     if mode == "auto":
-        tried = _try_candidates(points, faces)
+        tried = _try_candidates(points, faces, up)
     else:
-        tried = [assess_direction(points, faces, _take_direction([0, 0, 1] if mode == "none" else direction))]
+        tried = [assess_direction(points, faces, _take_direction(FRAMES[up][2] if mode == "none" else direction))]
     best = max(tried, key=lambda figures: figures["certainty"] if figures["morse"] == "proven" else 0.0)
     rotation = rotation_to_vertical(best["direction"])
     return {
@@ -93,6 +113,7 @@ def select_tilt(points: ArrayLike, faces: ArrayLike, mode: str = "auto", directi
         "critical": count_critical_points(tilt_points(points, rotation), faces),
         "rotation": rotation.tolist(),
         "mode": mode,
+        "up": up,
         "candidates": tried,
     }
 
@@ -109,26 +130,31 @@ def _take_direction(direction):
     return vector / np.linalg.norm(vector)
 
 
-def candidate_directions():
+def candidate_directions(up="z"):
     """List the directions that `auto` tries: the same for all models, so that most of a corpus shares one.
+
+    Parameters
+    ----------
+    up : str
+        An axis of `FRAMES`.
 
     Returns
     -------
     (1 + N_TILTED, 3) float64
-        Unit vectors. The first is z, the second `LEAST_ANGLE` from it, each of
-        the others twice as far as the one before, all with other azimuths.
+        Unit vectors. The first is that axis, the second `LEAST_ANGLE` from it,
+        each of the others twice as far as the one before, all with other azimuths.
     """
     turns = np.arange(1, N_TILTED + 1)
     angle, azimuth = np.radians(LEAST_ANGLE * 2.0 ** (turns - 1)), GOLDEN_ANGLE * turns
     flat = np.sin(angle)
     tilted = np.column_stack([flat * np.cos(azimuth), flat * np.sin(azimuth), np.cos(angle)])
-    return np.vstack([[0.0, 0.0, 1.0], tilted])
+    return np.vstack([[0.0, 0.0, 1.0], tilted]) @ FRAMES[up] + 0.0  # no -0.0
 
 
-def _try_candidates(points, faces):
+def _try_candidates(points, faces, up):
     """The figures of candidates up to the first that is Morse beyond rounding; it is then the most certain one."""
     tried = []
-    for direction in candidate_directions():
+    for direction in candidate_directions(up):
         tried.append(assess_direction(points, faces, direction))
         if tried[-1]["certainty"] >= MARGIN:
             break

@@ -1,0 +1,45 @@
+"""How a run ended, by the table of all models: what the last lines on the console say."""
+
+from collections import Counter
+
+import pyarrow.parquet as pq
+
+FIRST = 3  # so many of a kind are told, and the number of all
+SOUND = ("exact", "exact_at_feature_size")
+
+
+def tell_outcome(path):
+    """Return the last lines of a run over the models of the table at `path`.
+
+    Returns
+    -------
+    lines : list of str
+        How many models there are, by verdict; those that need a look, with
+        their reasons, of each kind the first; the path of the table.
+    failed : int
+        How many models failed, which the next run tries again.
+    """
+    rows = pq.ParquetFile(path).read(columns=["model", "status", "verdict", "reason"]).to_pylist()
+    kinds = Counter(_kind(row) for row in rows)
+    order = sorted(kinds, key=lambda kind: (*(kind != word for word in (*SOUND, "uncertified", "rejected")), kind))
+    lines = [
+        f"{len(rows)} model{'s' if len(rows) != 1 else ''}: {', '.join(f'{kinds[kind]} {kind}' for kind in order)}"
+    ]
+    looked = [kind for kind in order if kind not in SOUND]
+    if looked:
+        lines.append("What needs a look:")
+    for kind in looked:
+        told = [f"{row['model']}: {kind}: {row['reason']}" for row in rows if _kind(row) == kind]
+        lines += list_first(told)
+    return [*lines, f"All models, with reasons and figures: {path.absolute()}"], kinds["FAILED"]
+
+
+def list_first(lines):
+    """Return the first of some lines, indented, and how many more there are."""
+    more = [f"and {len(lines) - FIRST} more"] if len(lines) > FIRST else []
+    return [f"  {line}" for line in lines[:FIRST] + more]
+
+
+def _kind(row):
+    """Return the verdict of a model, or how else it ended."""
+    return "FAILED" if row["status"] == "failed" else row["verdict"] or row["status"]
