@@ -14,9 +14,8 @@ from functools import partial
 import psutil
 import pyarrow.parquet as pq
 
-from corpus.layout import STAGES
 from corpus.receipts import receipt_name
-from small_corpus import PATIENCE, finish, run, start, write_prism
+from small_corpus import CHOSEN, PATIENCE, finish, run, start, write_prism
 
 
 class Round:
@@ -24,19 +23,19 @@ class Round:
 
     def __init__(self, folder, seed, first=None):
         self.folder, self.random = folder, random.Random(seed)
-        late = int(len(STAGES) * self.random.random() ** 0.4)  # rather a late stage than an early one, to be quick
+        late = int(len(CHOSEN) * self.random.random() ** 0.4)  # rather a late stage than an early one, to be quick
         self.first = late if first is None else first
         self.note = ""
 
     def undo(self):
         """Take from all models what vouches for the results of the first stage to compute, and of those behind it."""
-        for stage in STAGES[self.first :]:
+        for stage in CHOSEN[self.first :]:
             for receipt in (self.folder / "results/models").glob(f"*/{receipt_name(stage)}"):
                 receipt.unlink()
 
     def wait(self, process):
         """Wait for some moment of some stage of a run that has work to do; or for its end."""
-        stage = self.random.choice(STAGES[self.first :])
+        stage = self.random.choice(CHOSEN[self.first :])
         delay, begun = self.random.uniform(0, 1.2), time.time()
         self.note += f" {stage} +{delay:.2f} s"
         logs = self.folder / "results/logs" / stage

@@ -5,11 +5,10 @@ import shutil
 
 import pytest
 
-from corpus.layout import STAGES
 from corpus.receipts import receipt_name
 from disturbances import fill_disk, kill_group, kill_worker
 from faults import play
-from small_corpus import compare, fingerprint, make_corpus, run
+from small_corpus import CHOSEN, compare, fingerprint, make_corpus, run
 
 
 @pytest.fixture(scope="module")
@@ -27,7 +26,7 @@ def folder(base, tmp_path):
 
 @pytest.mark.parametrize("fault", [kill_worker, kill_group, fill_disk])
 def test_results_are_those_of_an_undisturbed_run(base, fault):
-    told, differences = play(*base, fault, seed=1, first=len(STAGES) - 1)
+    told, differences = play(*base, fault, seed=1, first=len(CHOSEN) - 1)
     assert not differences, told
     assert fault is kill_group or "--" not in told, "of a killed job, or a full disk, nothing is left that takes a hint"
 
@@ -49,13 +48,13 @@ def test_planning_shows_no_traceback_whatever_it_finds(folder):
     models, status = folder / "results/models", folder / "results/status"
     (folder / "meshes/loop.off").symlink_to("loop.off")
     for number, text in enumerate(["", "{}", "[]", '{"key": ', "\0" * 100]):
-        (models / "tall" / receipt_name(STAGES[number])).write_text(text)
+        (models / "tall" / receipt_name(CHOSEN[number])).write_text(text)
     receipt = models / "round" / receipt_name("draw")
     receipt.unlink()
     receipt.mkdir()
     shutil.rmtree(models / "torn")
     (models / "torn").touch()
-    for path in sorted(status.glob("*/*.parquet"))[: len(STAGES)]:
+    for path in sorted(status.glob("*/*.parquet"))[: len(CHOSEN)]:
         os.truncate(path, 30)
     table = sorted(status.glob("draw/*.parquet"))[0]
     table.unlink()

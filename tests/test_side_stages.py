@@ -2,17 +2,24 @@
 
 import base64
 import json
+import shutil
 from xml.etree import ElementTree
 
 import numpy as np
 import pytest
+import trimesh
+from PIL import Image
 
+import cut_pockets
+import draw_loops as draw_loops_stage
 import find_loops as loops_stage
 import find_pockets as pockets_stage
 import pipeline
 import solids
 from corpus.storage import read_table
+from corpus.surfaces import read_faces, read_points, read_rotation
 from reebslice import find_loops
+from reebslice.drawing.loops import draw_loops
 from reebslice.graphs.loop_kinds import KINDS
 from reebslice.handles.at_vertices import find_handles
 from reebslice.schemas import SCHEMAS
@@ -108,6 +115,39 @@ def test_pockets_and_islands_begin_and_end_at_their_events(tmp_path):
     sums = json.loads((tmp_path / "pockets.json").read_text())
     assert {name: part["count"] for name, part in sums.items()} == {"basins": 1, "bells": 0, "sealed": 1, "islands": 2}
     assert sums["islands"]["volume"] == pytest.approx(sum(row["volume"] for row in islands))
+
+
+def test_pockets_are_cut_out_and_drawn(tmp_path):
+    solid = solids.unite(solids.cup(), solids.move(solids.cube(), (20.0, 0.0, 4.0)))
+    for case, least in (("some", 0.0), ("none", 1.0)):
+        folder = tmp_path / case
+        folder.mkdir()
+        pipeline.run_stages(solid, folder, tilt={"mode": "auto"})
+        pockets_stage.main(folder, folder, {"least_depth": least, "distance": 0.01})
+        cut_pockets.main(folder, folder, {"width": 200, "azimuth": None, "elevation": 15})
+        scene = trimesh.load(folder / "pockets.glb")
+        volumes = {}
+        for name in ("pockets", "islands"):
+            for row in read_table(folder / f"{name}.parquet", name).to_pylist():
+                kind = row.get("kind", "island")
+                volumes[f"{kind}{row[name[:-1]]}"] = row["volume"]
+        assert sorted(volumes) == ([] if least else ["basin0", "island0"])
+        assert {name: mesh.volume for name, mesh in scene.geometry.items()} == pytest.approx(volumes, rel=1e-5)
+        assert all(mesh.is_watertight for mesh in scene.geometry.values())
+        assert Image.open(folder / "pockets.png").size == (200, 200)
+
+
+def test_loops_are_drawn_from_their_table_as_the_library_draws_them(plate, tmp_path):
+    folder = shutil.copytree(plate, tmp_path / "plate")
+    loops_stage.main(folder, folder, {"distance": 0.01})
+    options = {"width": 200, "azimuth": None, "elevation": 15}
+    draw_loops_stage.main(folder, folder, options)
+    points, rotation = read_points(folder), read_rotation(folder)
+    height = np.ptp(points @ rotation[2])
+    loops = find_loops(points, read_faces(folder), rotation, 0.01 * height)
+    loops = loops._replace(circles=[circle @ rotation.T for circle in loops.circles])
+    image = draw_loops("plate", points @ rotation.T, read_faces(folder), loops, options)
+    assert np.array_equal(np.asarray(Image.open(folder / "loops.png")), image)
 
 
 def test_pockets_less_deep_than_asked_are_left_out(tmp_path):

@@ -12,9 +12,11 @@ from pathlib import Path
 
 import pyarrow.parquet as pq
 import pytest
+import yaml
 
 from corpus.code_digest import find_sources, read_outputs
-from corpus.layout import STAGES, line_behind
+from corpus.configuration import check_config
+from corpus.layout import STAGES, chosen_stages, line_behind
 from corpus.receipts import receipt_name
 from corpus.storage import read_json, read_key
 
@@ -24,7 +26,8 @@ MISSING = [stage for stage in STAGES if not (SCRIPTS / f"{stage}.py").exists()]
 pytestmark = pytest.mark.skipif(bool(MISSING), reason=f"stages that are not written yet: {MISSING}")
 
 OPTIONS = ("levels={distance: 0.2}", "tilt={mode: none}", "nodes={sampler: representative}", "draw={width: 300}")
-OPTIONS += ("colours={find: true}", "parts={find: true}")  # so that all stages run
+SCHEMA = yaml.safe_load((ROOT / "workflow/schemas/config.schema.yaml").read_text())
+CHOSEN = chosen_stages(check_config({}, SCHEMA))
 BOX = [(x, y, z) for x in (0, 2) for y in (0, 3) for z in (0, 5)]
 QUADS = [(0, 1, 3, 2), (4, 6, 7, 5), (0, 4, 5, 1), (2, 3, 7, 6), (0, 2, 6, 4), (1, 5, 7, 3)]
 BOX_FACES = [corners for a, b, c, d in QUADS for corners in ((a, b, c), (a, c, d))]
@@ -69,7 +72,7 @@ def stamps(folder, model):
 
 
 def stages_from(stage):
-    return set(line_behind(stage)).intersection(STAGES)
+    return set(line_behind(stage)).intersection(CHOSEN)
 
 
 @pytest.fixture(scope="module")
@@ -133,10 +136,10 @@ def test_a_run_leaves_every_file_and_says_how_it_went(finished):
     assert rows["tall"]["path"] == "meshes/tall.off"
     assert rows["tall"]["verdict"] == "exact" and rows["torn"]["verdict"] == "rejected"
     assert rows["tall"]["genus"] == 0 and "open" in rows["torn"]["reason"].lower()
-    for stage in STAGES:
+    for stage in CHOSEN:
         assert rows["tall"][f"seconds_{stage}"] >= 0 and rows["tall"][f"peak_memory_mb_{stage}"] > 1
     for model in ("tall", "sub__wide box"):
-        expected = {name for stage in STAGES for name in (*read_outputs(SCRIPTS / f"{stage}.py"), receipt_name(stage))}
+        expected = {name for stage in CHOSEN for name in (*read_outputs(SCRIPTS / f"{stage}.py"), receipt_name(stage))}
         assert set(stamps(folder, model)) == expected
         receipt = read_json(folder / "results/models" / model / receipt_name("slice_mesh"))
         assert read_key(folder / "results/models" / model / "levels.parquet") == receipt["key"]
@@ -150,7 +153,7 @@ def test_a_run_leaves_every_file_and_says_how_it_went(finished):
     assert lines[end + 4].startswith("Complete log(s): ")
     log = Path(lines[end + 4].partition(": ")[2]).read_text()
     batches = list((folder / "results/status/draw").iterdir())
-    assert log.count("\nlocalrule ") == len(STAGES) * len(batches) + 2 and lines[end] in log  # every job
+    assert log.count("\nlocalrule ") == len(CHOSEN) * len(batches) + 2 and lines[end] in log  # every job
 
 
 def test_cores_batches_hash_seed_locale_and_time_zone_change_no_byte(finished, tmp_path):
@@ -160,7 +163,7 @@ def test_cores_batches_hash_seed_locale_and_time_zone_change_no_byte(finished, t
     code, said = run(tmp_path, "--cores", "1", options=(*OPTIONS, "batches={size: 100}"), environment=elsewhere)
     assert code == 0, said
     for model in ("tall", "sub__wide box"):
-        for name in (name for stage in STAGES for name in read_outputs(SCRIPTS / f"{stage}.py")):
+        for name in (name for stage in CHOSEN for name in read_outputs(SCRIPTS / f"{stage}.py")):
             one, other = (folder / "results/models" / model / name for folder in (finished[0], tmp_path))
             assert one.read_bytes() == other.read_bytes(), f"{model}/{name}"
 
@@ -190,7 +193,7 @@ def test_a_changed_key_runs_its_stages_and_those_behind(folder, option, first):
 def test_an_edited_module_runs_the_stages_that_use_it_and_those_behind(folder, checkout):
     assert planned(folder, checkout=checkout) == {}
     module = checkout / "workflow/scripts/reebslice/links/similarity.py"
-    users = [stage for stage in STAGES if module in find_sources(checkout / f"workflow/scripts/{stage}.py")]
+    users = [stage for stage in CHOSEN if module in find_sources(checkout / f"workflow/scripts/{stage}.py")]
     assert users and users[0] != STAGES[0]
     module.write_text(module.read_text() + "\n# edited\n")
     assert set(planned(folder, checkout=checkout)) == stages_from(users[0])

@@ -37,7 +37,7 @@ from corpus.code_digest import compiled_code_folder, digest_code, read_outputs
 from corpus.configuration import CONFIG_FILE, ConfigError, check_config, describe_sources, restore_texts
 from corpus.console import show_progress
 from corpus.discovery import CorpusError, find_models, pick_models
-from corpus.layout import BEFORE, MODELS_TABLE, STAGES, chosen_stages, line_behind
+from corpus.layout import BEFORE, MODELS_FOLDER, MODELS_TABLE, STAGES, chosen_stages, line_behind
 from corpus.outcome import list_first, tell_outcome
 from corpus.process import find_full_disks, find_last_words
 from corpus.promises import find_broken_promises
@@ -284,6 +284,8 @@ def close_run():
         return
     if MODELS_TABLE.exists():
         lines, failed = tell_outcome(MODELS_TABLE)
+        if "view" in CHOSEN:
+            lines.append(f"Pages, to be opened in a browser: {MODELS_FOLDER.absolute()}/*/view.html")
         if failed:
             raise WorkflowError(
                 f"{failed} of the models FAILED, by no fault found in their meshes. The others are complete. The "

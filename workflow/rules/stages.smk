@@ -191,6 +191,27 @@ rule find_pockets:
         "../scripts/find_pockets.py"
 
 
+# Cuts pockets and islands out as closed bodies, and draws them. Writes pockets.glb and pockets.png.
+rule cut_pockets:
+    input:
+        status="results/status/find_pockets/{batch}.parquet",
+    output:
+        status="results/status/cut_pockets/{batch}.parquet",
+    log:
+        "results/logs/cut_pockets/{batch}.log",
+    benchmark:
+        "results/benchmarks/cut_pockets/{batch}.tsv"
+    priority: priority_at("cut_pockets")
+    resources:
+        mem_mb=memory_of,
+        runtime=runtime_of,
+    params:
+        options=config["draw"],
+        code=CODE["cut_pockets"],
+    script:
+        "../scripts/cut_pockets.py"
+
+
 # Finds the place of every loop of the surface: a circle around it and a closed path along it.
 # Writes loops; aside of the stages above, which do not wait for it.
 rule find_loops:
@@ -211,6 +232,27 @@ rule find_loops:
         code=CODE["find_loops"],
     script:
         "../scripts/find_loops.py"
+
+
+# Draws the mesh with its loops.
+rule draw_loops:
+    input:
+        status="results/status/find_loops/{batch}.parquet",
+    output:
+        status="results/status/draw_loops/{batch}.parquet",
+    log:
+        "results/logs/draw_loops/{batch}.log",
+    benchmark:
+        "results/benchmarks/draw_loops/{batch}.tsv"
+    priority: priority_at("draw_loops")
+    resources:
+        mem_mb=memory_of,
+        runtime=runtime_of,
+    params:
+        options=config["draw"],
+        code=CODE["draw_loops"],
+    script:
+        "../scripts/draw_loops.py"
 
 
 # Finds the arcs on which each face lies, whole or cut where arcs end. Writes face_arcs; aside of the stages above.

@@ -19,6 +19,8 @@ BEFORE = {
     "view": "certify",
     "find_pockets": "classify_handles",
     "find_loops": "classify_handles",
+    "cut_pockets": "find_pockets",
+    "draw_loops": "find_loops",
     "label_faces": "synthesize_edges",
     "colour_faces": "synthesize_edges",
     "decompose_solid": "synthesize_edges",
@@ -33,6 +35,8 @@ SIDE_STAGES = {
     "view": ("view", "pages"),
     "find_pockets": ("pockets", "find"),
     "find_loops": ("loops", "find"),
+    "cut_pockets": ("pockets", "cut"),
+    "draw_loops": ("loops", "draw"),
     "label_faces": ("faces", "find"),
     "colour_faces": ("colours", "find"),
     "decompose_solid": ("parts", "find"),
@@ -53,7 +57,7 @@ def line_behind(stage):
 def chosen_stages(config):
     """Return the stages of the default target that the checked configuration wants."""
     wanted = {stage: config[group][key] for stage, (group, key) in SIDE_STAGES.items()}
-    return tuple(stage for stage in STAGES if wanted.get(stage, True))
+    return tuple(stage for stage in STAGES if all(wanted.get(each, True) for each in line_to(stage)))
 
 
 MODELS_FOLDER = Path("results/models")

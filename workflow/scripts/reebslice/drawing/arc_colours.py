@@ -5,11 +5,11 @@ import colorsys
 import numpy as np
 
 from ..formats.ply_bytes import ply_bytes
+from .body_scenes import scene_of_bodies
 
 # The golden angle as a share of a turn: hues of consecutive numbers lie far apart.
 GOLDEN = 0.38196601125010515
 NOTHING = (160, 160, 160)
-_EXTREMES = (np.min, np.min), (np.max, np.max)
 
 
 def arc_colours(arcs):
@@ -81,17 +81,6 @@ def coloured_scene(bodies):
     -------
     bytes
         Nodes are called `s` and the number of their arc, as edges are in `solid.graphml`; `rest` is what is on none.
-        The file has single precision, about the middle of the model, which the matrix of each node puts back.
     """
-    import trimesh  # takes long to load
-
-    low, high = (extreme([edge(spots, axis=0) for spots in bodies.points], axis=0) for extreme, edge in _EXTREMES)
-    middle = (low + high) / 2
-    scene, place = trimesh.Scene(), trimesh.transformations.translation_matrix(middle)
-    for arc, spots, faces, colour in zip(bodies.label.tolist(), bodies.points, bodies.faces, arc_colours(bodies.label)):
-        material = trimesh.visual.material.PBRMaterial(baseColorFactor=[*colour, 255], metallicFactor=0.0)
-        mesh = trimesh.Trimesh(spots - middle, faces, process=False)
-        mesh.visual = trimesh.visual.TextureVisuals(material=material)
-        name = f"s{arc}" if arc >= 0 else "rest"
-        scene.add_geometry(mesh, node_name=name, geom_name=name, transform=place)
-    return scene.export(file_type="glb")
+    names = [f"s{arc}" if arc >= 0 else "rest" for arc in bodies.label.tolist()]
+    return scene_of_bodies(names, bodies.points, bodies.faces, arc_colours(bodies.label))

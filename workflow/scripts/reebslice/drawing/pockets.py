@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from .body_scenes import scene_of_bodies
 from .canvas import rgb
 from .glass import draw_glass, write_legend
 from .rasters import rasterize_mesh
@@ -16,6 +17,26 @@ WORDS = {
     "island": "begins in the air",
 }
 STRENGTH = 0.85  # of a pocket's colour
+
+
+def pockets_scene(bodies, kinds, ids):
+    """Write pockets and islands as a scene in binary glTF.
+
+    Parameters
+    ----------
+    bodies : list of (points, faces)
+        Closed meshes, as of :func:`..graphs.bodies.pocket_bodies`.
+    kinds : list of str
+    ids : list of int
+        Nodes are called by kind and id, such as `basin3`.
+
+    Returns
+    -------
+    bytes
+    """
+    names = [f"{kind}{number}" for kind, number in zip(kinds, ids, strict=True)]
+    points, faces = zip(*bodies) if bodies else ((), ())
+    return scene_of_bodies(names, points, faces, np.array([rgb(INKS[kind]) for kind in kinds]).reshape(-1, 3))
 
 
 def draw_pockets(name, points, faces, bodies, kinds, options):

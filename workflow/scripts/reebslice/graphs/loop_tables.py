@@ -9,6 +9,7 @@ from ..formats.vtp import vtp_text
 from ..handles.at_vertices import find_handles
 from ..table_checks import build_table
 from .loop_kinds import KINDS
+from .loops import Loops
 
 
 def loops_table(loops, handles):
@@ -41,6 +42,29 @@ def loops_table(loops, handles):
             "circle": [circle.ravel() for circle in circles],
             "path": [paths.member[a:b] for a, b in zip(paths.start[:-1], paths.start[1:])],
         },
+    )
+
+
+def loops_of_table(table):
+    """Take loops from their table.
+
+    Parameters
+    ----------
+    table : pyarrow.Table
+        `loops`.
+
+    Returns
+    -------
+    Loops
+        Centres and circles in the model frame.
+    """
+    fields = {name: table[name].to_numpy() for name in Loops._fields if name in table.column_names}
+    start = np.concatenate([[0], np.cumsum([len(path) for path in table["path"].to_pylist()])]).astype(np.int64)
+    return Loops(
+        **fields,
+        centre=np.column_stack([table[axis].to_numpy() for axis in "xyz"]),
+        circles=[np.reshape(circle, (-1, 3)) for circle in table["circle"].to_pylist()],
+        paths=Groups(start, table["path"].combine_chunks().flatten().to_numpy()),
     )
 
 

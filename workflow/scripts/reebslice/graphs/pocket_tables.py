@@ -2,9 +2,11 @@
 
 import numpy as np
 
+from ..arrays.grouping import Groups
 from ..handles.at_vertices import find_handles
 from ..schemas import SCHEMAS
 from ..table_checks import build_table
+from .pocket_measures import Pockets
 
 # The handle operations, each with its side, between which a pocket of a kind lies, in the order of its beginning
 # and its end. Seen downward, a separation of contours is what joins two bells, and their annihilation a beginning.
@@ -14,6 +16,8 @@ EVENTS_OF = {
     "sealed": (("creation", "B"), ("annihilation", "A")),
     "island": (("creation", "A"), ("union", "A")),
 }
+# Columns of the tables that are fields of `Pockets` as they are.
+PLAIN = ("begin", "end", "begin_height", "end_height", "volume", "section", "largest")
 
 
 def pockets_table(name, pockets, handles, shell_of_vertex):
@@ -45,6 +49,27 @@ def pockets_table(name, pockets, handles, shell_of_vertex):
     for column in ("throat_height", "throat_section", "throat_radius"):
         columns[column] = [None if np.isnan(value) else value for value in columns[column].tolist()]
     return build_table(name, {field.name: columns[field.name] for field in SCHEMAS[name]})
+
+
+def pockets_of_table(table):
+    """Take pockets or islands from their table.
+
+    Parameters
+    ----------
+    table : pyarrow.Table
+        `pockets` or `islands`.
+
+    Returns
+    -------
+    Pockets
+        Without throats, and without shells.
+    """
+    count = table.num_rows
+    kind = table["kind"].to_numpy() if "kind" in table.column_names else np.full(count, "island")
+    columns = {name: table[name].to_numpy() for name in Pockets._fields if name in PLAIN}
+    unknown = dict.fromkeys(("throat_height", "throat_section", "throat_radius"), np.full(count, np.nan))
+    into = table["into"].fill_null(-1).to_numpy()
+    return Pockets(**columns, **unknown, kind=kind, into=into, shells=Groups(np.zeros(count + 1, int), into[:0]))
 
 
 def _handles_of(pockets, handles, vertices, side):
