@@ -9,13 +9,13 @@ import pyarrow.parquet as pq
 import pytest
 import yaml
 
+from corpus.code_digest import read_outputs
 from corpus.configuration import describe_sources
-from corpus.layout import STAGES, line_to
+from corpus.layout import STAGES
 from corpus.storage import read_json
-from test_workflow import OPTIONS, models_table, planned, run, stamps, write_box
+from test_workflow import CHOSEN, GIVEN, models_table, planned, run, stages_from, stamps, write_box
 
 ROOT = Path(__file__).parent.parent
-GIVEN = {key: yaml.safe_load(value) for key, value in (option.split("=", 1) for option in OPTIONS)}
 
 
 @pytest.fixture(scope="module")
@@ -59,13 +59,19 @@ def test_the_configuration_of_the_working_directory_counts_and_the_command_line_
     (folder / "more.yaml").write_text("draw: {width: 300}\n")
     assert planned(folder, "--configfile", "more.yaml", options=()) == {}
     wins = ("nodes={sampler: centroid}", "draw={width: 400}")
-    assert set(planned(folder, "--configfile", "more.yaml", options=wins)) == stages_to_draw("sample_nodes")
+    assert set(planned(folder, "--configfile", "more.yaml", options=wins)) == stages_from("sample_nodes")
 
 
-def stages_to_draw(stage):
-    """The stages from one on that lead to the pictures."""
-    line = line_to("draw")
-    return set(line[line.index(stage) :])
+def test_every_stage_runs_where_it_is_asked_for(folder):
+    """Those that are off by default, or that other tests go without."""
+    on = ("view={pages: true}", "faces={find: true}", "pockets={cut: true}", "loops={draw: true}")
+    on += ("colours={find: true}", "parts={find: true}")
+    code, said = run(folder, options=on)
+    assert code == 0, said
+    assert f"Pages, to be opened in a browser: {folder / 'results/models'}/*/view.html" in said
+    for model in ("tall", "wide"):
+        for stage in STAGES:
+            assert set(read_outputs(ROOT / f"workflow/scripts/{stage}.py")) <= set(stamps(folder, model)), stage
 
 
 def test_a_fault_in_it_is_told_with_the_files(folder):
@@ -116,7 +122,7 @@ def test_a_row_of_the_sheet_computes_its_models_and_no_other(folder):
     wide = stamps(folder, "wide")
     sheet = folder / "config/models.tsv"
     sheet.write_text("model\tup\tdistance\tunit\ntall\ty\t0.25\tinch\n")
-    assert set(planned(folder, options=())) == set(STAGES)
+    assert set(planned(folder, options=())) == set(CHOSEN)
     targets = [f"results/models/{model}/levels.parquet" for model in ("tall", "wide")]
     code, said = run(folder, *targets, options=())
     assert code == 0 and "config/models.tsv says what is another for 1 of 2 models" in said, said

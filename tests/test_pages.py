@@ -19,6 +19,7 @@ import numpy as np
 import pytest
 import shapely
 import trimesh
+import yaml
 from hypothesis import given
 from hypothesis import strategies as st
 from PIL import Image
@@ -28,7 +29,8 @@ import pipeline
 import solids
 import view
 from corpus.code_digest import digest_code, find_sources
-from corpus.layout import SIDE_STAGES, chosen_stages
+from corpus.configuration import check_config
+from corpus.layout import chosen_stages
 from corpus.storage import read_blocks, read_table
 from reebslice import label_faces
 from reebslice.drawing import page_model
@@ -39,6 +41,7 @@ from reebslice.formats.glb import POINTS, Part, write_glb
 from reebslice.graphs.shown_arcs import spread_labels
 from reebslice.slicing.tables import contour_curves
 
+SCHEMA = Path(view.__file__).parents[1] / "schemas" / "config.schema.yaml"
 DRAWING = Path(view.__file__).parent / "reebslice" / "drawing"
 NASTY = "<img src=x onerror=alert(1)> & 'quoted' \"name\""
 BROWSER = next(filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome"))), None)
@@ -467,7 +470,7 @@ def test_a_changed_template_is_other_code(tmp_path):
 
 def test_pages_can_be_switched_off():
     for pages in (True, False):
-        config = {group: {key: True} for group, key in SIDE_STAGES.values()} | {"view": {"pages": pages}}
+        config = check_config({"view": {"pages": pages}}, yaml.safe_load(SCHEMA.read_text()))
         assert ("view" in chosen_stages(config)) == pages
 
 

@@ -95,7 +95,7 @@ def run_job(stage, main=None):
     parameters = {"options": {}, "code": "c", "models": list(MODELS), "paths": [f"m/{model}.stl" for model in MODELS]}
     job = SimpleNamespace(
         rule=stage, log=["log"], input=SimpleNamespace(keys=lambda: before, **before),
-        output=SimpleNamespace(status=status_table(stage)), params=SimpleNamespace(**parameters),
+        output=SimpleNamespace(status=status_table(stage)), params=SimpleNamespace(get=parameters.get, **parameters),
         config={"limits": {"memory": None, "minutes": None}},
     )  # fmt: skip
     stages.run_batch(job, main or MAINS[stage], OUTPUTS[stage], digest_mesh if stage == THREE[0] else None)

@@ -45,7 +45,7 @@ def _join_stages(stages, paths):
             row[f"seconds_{stage}"] = entry["seconds"]
             row[f"peak_memory_mb_{stage}"] = entry["peak_memory_mb"]
     for row in rows.values():
-        figures, fault = _figures(row["model"])
+        figures, fault = _figures(row["model"], stages)
         row |= {name: figure for name, figure in figures.items() if name not in row}
         if fault and row["status"] in ("ok", "rejected"):
             row |= {"status": "failed", "reason": fault}
@@ -56,13 +56,15 @@ def _join_stages(stages, paths):
     return list(rows.values())
 
 
-def _figures(model):
-    """Return the scalar figures in the model's JSON files, and a sentence on the one that cannot be read, or ''.
+def _figures(model, stages):
+    """Return the scalar figures that these stages left in JSON files, and a sentence on a file that is broken, or ''.
 
     The receipt of the stage that wrote that one goes, so that the next run makes it again.
     """
     figures, fault = {}, ""
     for name, stage in FIGURES.items():
+        if stage not in stages:
+            continue  # what an earlier configuration left
         path = MODELS_FOLDER / model / name
         try:
             figures |= _scalars(read_json(path))
