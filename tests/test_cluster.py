@@ -16,7 +16,7 @@ from corpus.batches import predict_gathering
 from corpus.configuration import ConfigError
 from corpus.layout import ASKED_FOR, STAGES, STATUS_SCHEMA
 from corpus.shared_files import check_file_sharing
-from test_workflow import run, write_box
+from test_workflow import EVERYTHING, run, write_box
 
 PROFILES = sorted((Path(__file__).parent.parent / "workflow/profiles").iterdir())
 # What Snakemake needs to take a storage for usable; nothing of it is ever called.
@@ -35,8 +35,8 @@ class StorageObject(StorageObjectRead, StorageObjectWrite):
 
 
 def plan(folder, *targets):
-    """Plan a run; return what Snakemake says of every job, {rule: [text]}."""
-    code, said = run(folder, "-n", *targets)
+    """Plan a run with all stages; return what Snakemake says of every job, {rule: [text]}."""
+    code, said = run(folder, "-n", *targets, options=EVERYTHING)
     assert code == 0, said
     jobs = {}
     for rule, text in re.findall(r"^(?:local)?rule (\w+):\n((?:    .*\n)+)", said, flags=re.MULTILINE):

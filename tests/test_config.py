@@ -90,6 +90,8 @@ def test_every_key_is_described_in_schema_and_readme():
         ({"draw": {"width": 12.5}}, "draw.width is 12.5: must be a whole number"),
         ({"batches": {"size": True}}, "batches.size is true: must be a whole number"),
         ({"meshes": ""}, "meshes is '': must not be empty"),
+        ({"pockets": {"find": False, "cut": True}}, "pockets.cut is true, but pockets.find is false"),
+        ({"loops": {"find": False, "draw": True}}, "loops.draw is true, but loops.find is false"),
     ],
 )
 def test_each_fault_is_named(sections, sentence):

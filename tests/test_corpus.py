@@ -532,6 +532,20 @@ def models_of(*batches):
     return model_table.make_model_table(tables).combine_chunks()
 
 
+def test_what_a_stage_aside_refuses_leaves_the_model_its_verdict_and_is_told():
+    row = {"model": "a", "path": "m/a.stl", "seconds": 0.5, "peak_memory_mb": 10.0, "key": "k", "stamp": "s"}
+    refused = {"find_pockets": ("rejected", "too many"), "cut_pockets": ("skipped", "rejected earlier: too many")}
+    tables = {}
+    for stage in STAGES:
+        status, reason = refused.get(stage, ("ok", ""))
+        tables[stage] = [layout.STATUS_FOLDER / stage / "x.parquet"]
+        rows = [row | {"status": status, "reason": reason}]
+        write_parquet(tables[stage][0], pa.Table.from_pylist(rows, schema=STATUS_SCHEMA))
+    write_json(MODELS_FOLDER / "a" / "certificate.json", {"verdict": "exact"})
+    (found,) = model_table.make_model_table(tables).to_pylist()
+    assert (found["status"], found["verdict"], found["reason"]) == ("ok", "exact", "too many")
+
+
 def test_the_table_of_models_does_not_depend_on_the_batches():
     facts = {
         "a": {"genus": 0, "size": 1, "open": True, "note": None},

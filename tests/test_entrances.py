@@ -13,7 +13,7 @@ from corpus.code_digest import read_outputs
 from corpus.configuration import describe_sources
 from corpus.layout import STAGES
 from corpus.storage import read_json
-from test_workflow import CHOSEN, GIVEN, models_table, planned, run, stages_from, stamps, write_box
+from test_workflow import CHOSEN, EVERYTHING, GIVEN, models_table, planned, run, stages_from, stamps, write_box
 
 ROOT = Path(__file__).parent.parent
 
@@ -64,9 +64,7 @@ def test_the_configuration_of_the_working_directory_counts_and_the_command_line_
 
 def test_every_stage_runs_where_it_is_asked_for(folder):
     """Those that are off by default, or that other tests go without."""
-    on = ("view={pages: true}", "faces={find: true}", "pockets={cut: true}", "loops={draw: true}")
-    on += ("colours={find: true}", "parts={find: true}")
-    code, said = run(folder, options=on)
+    code, said = run(folder, options=EVERYTHING)
     assert code == 0, said
     assert f"Pages, to be opened in a browser: {folder / 'results/models'}/*/view.html" in said
     for model in ("tall", "wide"):

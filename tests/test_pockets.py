@@ -263,6 +263,39 @@ def test_bodies_are_closed_and_have_the_volumes_of_the_table(solid, seed):
             assert np.einsum("ij,ij->", a, np.cross(b, c)) / 6 == pytest.approx(volume, abs=1e-7 * size)
 
 
+def volumes_of(bodies):
+    for points, faces in bodies:
+        a, b, c = (points[faces[:, k]] - points[0] for k in range(3))
+        yield float(np.einsum("ij,ij->", a, np.cross(b, c)) / 6)
+
+
+@pytest.mark.parametrize("by", [(0.0, 0.0, 1.0), (0.5, 0.5, 1.0), (1.0, 1.0, 1.0), (0.0, 1.0, 1.0)])
+def test_an_island_that_touches_another_body_is_cut_out_itself(by):
+    below, above = solids.cube(), solids.scale(solids.cube(), 2.0)
+    low, side = below.points.min(axis=0), np.ptp(below.points, axis=0)
+    above = solids.move(above, low + side * by - above.points.min(axis=0))
+    both = solids.unite(below, above)
+    body = np.repeat([0, 1], [len(below.points), len(above.points)]).astype(np.int32)
+    islands = find_islands(both.points, both.faces, None, body)
+    assert islands.volume == pytest.approx([8 * side.prod()])
+    assert list(volumes_of(pocket_bodies(both.points, both.faces, islands))) == pytest.approx([8 * side.prod()])
+
+
+def test_bodies_are_cut_out_far_from_the_origin():
+    cup = solids.cup()
+    for by in (1e6, 1e8, 3e8):
+        far = solids.move(cup, (by, by, by))
+        pockets = find_pockets(far.points, far.faces)
+        assert list(volumes_of(pocket_bodies(far.points, far.faces, pockets))) == pytest.approx([1.0], rel=1e-6)
+
+
+def test_a_body_of_another_volume_is_refused():
+    cup = solids.cup()
+    pockets = find_pockets(cup.points, cup.faces)
+    with pytest.raises(ReebsliceError, match="basin 0 has the volume 2, but 1 was cut out for it"):
+        pocket_bodies(cup.points, cup.faces, pockets._replace(volume=2 * pockets.volume))
+
+
 # --------------------------------------------------------------------------
 # Against floods of voxels
 

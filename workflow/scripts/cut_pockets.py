@@ -2,12 +2,13 @@
 
 import numpy as np
 
-from corpus.stages import run_batch
+from corpus.stages import Rejected, run_batch
 from corpus.storage import read_table
 from corpus.surfaces import read_faces, read_points, read_rotation
 from corpus.whole_files import place_whole
 from reebslice.drawing.canvas import encode_png
 from reebslice.drawing.pockets import draw_pockets, pockets_scene
+from reebslice.errors import ReebsliceError
 from reebslice.graphs.bodies import pocket_bodies
 from reebslice.graphs.pocket_tables import pockets_of_table
 
@@ -23,7 +24,10 @@ def main(source, target, options):
     bodies, kinds, ids = [], [], []
     for name in ("pockets", "islands"):
         found = pockets_of_table(read_table(source / f"{name}.parquet", name))
-        bodies += pocket_bodies(points, faces, found, rotation)
+        try:
+            bodies += pocket_bodies(points, faces, found, rotation)
+        except ReebsliceError as fault:
+            raise Rejected(f"{name} were not cut out: {fault}") from None
         kinds += found.kind.tolist()
         ids += range(len(found.kind))
     with place_whole(target / "pockets.glb") as scratch:

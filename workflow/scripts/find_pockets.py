@@ -18,12 +18,15 @@ def main(source, target, options):
     shell, body = read_shells(source, len(points))
     handles = read_table(source / "handles.parquet", "handles")
     height = np.ptp(read_table(source / "critical_points.parquet", "critical_points")["height"].to_numpy())
-    depth, distance = options["least_depth"] * height, options["distance"] * height or None
+    depth = options["least_depth"] * float(np.linalg.norm(np.ptp(points, axis=0)))
+    distance = options["distance"] * height or None
     try:
         pockets = find_pockets(points, faces, rotation, depth, distance)
         islands = find_islands(points, faces, rotation, body, depth, distance)
     except TooManyCrossingsError as fault:
-        raise Rejected(f"no pockets were looked for: {fault}. Take a larger pockets.least_depth.") from None
+        raise Rejected(
+            f"no pockets were looked for: {fault}. Take a larger pockets.distance or pockets.least_depth."
+        ) from None
     write_table(target / "pockets.parquet", "pockets", pockets_table("pockets", pockets, handles, shell))
     write_table(target / "islands.parquet", "islands", pockets_table("islands", islands, handles, shell))
     write_json(target / "pockets.json", sum_pockets(pockets, islands))

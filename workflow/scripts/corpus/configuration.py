@@ -161,6 +161,11 @@ def _contradictions(config):
         faults.append(
             f"tilt.up is {tilt['up']!r}, but tilt.mode is 'direction', which takes tilt.direction: remove one"
         )
+    faults += [
+        f"{group}.{key} is true, but {group}.find is false: it is made of what is found, so set both"
+        for group, key in (("pockets", "cut"), ("loops", "draw"))
+        if config[group][key] and not config[group]["find"]
+    ]
     size = max(map(abs, tilt["direction"] or [1.0]))
     if not size:
         faults.append("tilt.direction is the zero vector: at least one of its three numbers must differ from 0")

@@ -38,10 +38,11 @@ def _join_stages(stages, paths):
     rows = {}
     for stage, path in zip(stages, paths, strict=True):
         for entry in read_status(path):
-            row = rows.setdefault(entry["model"], {"model": entry["model"], "path": entry["path"], "status": "ok"})
+            row = rows.setdefault(entry["model"], _begun(entry))
             if row["status"] == "ok":  # the first stage that is not tells why
-                refused_aside = stage in SIDE_STAGES and entry["status"] == "rejected"  # its graphs are there
-                row |= {"status": "ok" if refused_aside else entry["status"], "reason": entry["reason"]}
+                aside = stage in SIDE_STAGES and entry["status"] in ("rejected", "skipped")  # its graphs are there
+                row["status"] = "ok" if aside else entry["status"]
+                row["reason"] = (row["reason"] if row["status"] == "ok" else "") or entry["reason"]
             row[f"seconds_{stage}"] = entry["seconds"]
             row[f"peak_memory_mb_{stage}"] = entry["peak_memory_mb"]
     for row in rows.values():
@@ -54,6 +55,11 @@ def _join_stages(stages, paths):
         if row["status"] != "ok":
             row["verdict"] = "rejected" if row["status"] == "rejected" else None
     return list(rows.values())
+
+
+def _begun(entry):
+    """Return the beginning of a model's row."""
+    return {"model": entry["model"], "path": entry["path"], "status": "ok", "reason": ""}
 
 
 def _figures(model, stages):

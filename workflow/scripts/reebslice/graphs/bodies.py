@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ..arrays.components import connected_items
+from ..errors import ReebsliceError
 from ..mesh.arguments import take_mesh, take_rotation
 from ..mesh.faults import find_used
 from ..mesh.measures import measure_shells
@@ -40,7 +41,8 @@ def pocket_bodies(
     Raises
     ------
     NotASolidError, ReebsliceError
-        As of :func:`.height_mesh.height_mesh`.
+        As of :func:`.height_mesh.height_mesh`; or what is cut out has not the volume of the pocket, as it may be
+        where bodies touch or the surface crosses itself.
 
     Notes
     -----
@@ -62,10 +64,13 @@ def pocket_bodies(
     matrix = take_rotation(rotation)
     tilted, used = tilt_points(points, matrix), find_used(len(points), faces)
     gap, faces = NEAR * np.ptp(tilted[used, 2]), np.searchsorted(used, faces)
+    middle = tilted[used].mean(axis=0)  # far from the origin manifold3d tells no two heights apart that are so near
+    tilted = tilted - middle
     wholes: dict = {}
     parts: dict = {}
     bodies = []
-    for row, (kind, low, high) in enumerate(zip(pockets.kind.tolist(), pockets.begin_height, pockets.end_height)):
+    ends = pockets.begin_height - middle[2], pockets.end_height - middle[2]
+    for row, (kind, low, high) in enumerate(zip(pockets.kind.tolist(), *ends)):
         solid = kind == "island"
         if solid not in wholes:
             corners, triangles = (tilted[used], faces) if solid else box_in(tilted[used], faces)
@@ -75,8 +80,9 @@ def pocket_bodies(
             plane = high - up * gap if kind != "sealed" else high + gap
             parts[solid, low < high, high] = _find_parts(wholes[solid].trim_by_plane((0.0, 0.0, -up), -up * plane))
         begins = pockets.begin[_meeting_there(pockets, row)]
-        spots, corners = _take_bodies(parts[solid, low < high, high], tilted[begins])
-        bodies.append((spots @ matrix, corners))
+        spots, corners = _take_bodies(parts[solid, low < high, high], tilted[begins], pockets.volume[row])
+        _check_volume(spots, corners, pockets.volume[row], kind, row)
+        bodies.append(((spots + middle) @ matrix, corners))
     return bodies
 
 
@@ -110,16 +116,31 @@ def _meeting_there(pockets, row):
     return rows
 
 
-def _take_bodies(parts, spots):
-    """The components with a corner at one of the `spots` on their outer shell: points and faces."""
+def _take_bodies(parts, spots, volume):
+    """The components with a corner at one of the `spots` on their outer shell: points and faces.
+
+    Where several bodies touch there, that of the volume nearest to the one given.
+    """
     outer, volumes = set(), parts.volumes
     for spot in spots:
         away = np.abs(parts.points[parts.faces] - spot).max(axis=2).min(axis=1)
         away[volumes[parts.shell] < 0] = np.inf
-        outer.add(int(parts.shell[np.argmin(away)]))
+        there = np.unique(parts.shell[away == away.min()])
+        outer.add(int(there[np.argmin(np.abs(volumes[there] - volume))]))
     holes = [s for s in np.flatnonzero(volumes < 0).tolist() if _smallest(parts.enclosing[s], volumes) in outer]
     used, corners = np.unique(parts.faces[np.isin(parts.shell, [*outer, *holes])], return_inverse=True)
     return parts.points[used], corners.reshape(-1, 3).astype(np.int32)
+
+
+def _check_volume(points, faces, volume, kind, row):
+    """Raise ReebsliceError if a body has not the volume that its pocket has, but for what is cut off at its rim."""
+    a, b, c = (points[faces[:, corner]] for corner in range(3))
+    found, size = float(np.einsum("ij,ij->", a, np.cross(b, c)) / 6), float(np.ptp(points, axis=0).prod())
+    if not abs(found - volume) <= 1e-4 * max(size, volume):
+        raise ReebsliceError(
+            f"{kind} {row} has the volume {volume:g}, but {found:g} was cut out for it: bodies touch there, or the "
+            "surface crosses itself."
+        )
 
 
 def _smallest(around, volumes):

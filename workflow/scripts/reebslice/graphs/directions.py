@@ -18,6 +18,7 @@ AXES = np.array([[0, 0, 1], [0, 0, -1], [1, 0, 0], [-1, 0, 0], [0, 1, 0], [0, -1
 NUMBER = 26
 # Of the diagonal of the box around all: the default distance between layers, and depth of what is passed over.
 DISTANCE, DEPTH = 1e-3, 1e-3
+MOST_LAYERS = 2**30  # along the diagonal; a count of layers is held in 32 bits
 
 
 class Directions(NamedTuple):
@@ -109,7 +110,11 @@ def compare_directions(
     points, faces = take_mesh(points, faces)
     body = take_bodies(body_of_vertex, len(points))
     diagonal = float(np.linalg.norm(np.ptp(points[find_used(len(points), faces)], axis=0)))
-    distance = DISTANCE * diagonal if distance is None else _check(distance, "distance", np.nextafter(0, 1), np.inf)
+    distance = (
+        DISTANCE * diagonal
+        if distance is None
+        else _check(distance, "distance", max(diagonal / MOST_LAYERS, np.nextafter(0, 1)), np.inf)
+    )
     depth = DEPTH * diagonal if least_depth is None else _check(least_depth, "least_depth", 0, np.inf)
     angle = _check(overhang, "overhang", 0, 90)
     rows = [(up, *_rate(points, faces, body, up, (distance, depth, angle))) for up in _take_directions(directions)]

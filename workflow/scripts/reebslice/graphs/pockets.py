@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ..arrays.components import find, join
+from ..arrays.grouping import Groups
 from ..errors import ReebsliceError
 from ..kernels import njit
 from ..mesh.arguments import take_arrays, take_bodies
@@ -79,7 +80,15 @@ def find_pockets(
     bells = nodes[_deep(mesh, nodes, pairs.relative[open_air[pairs.relative[:, 0]]], least_depth)][:, ::-1]
     sealed = nodes[pairs.extremes[~open_air[pairs.extremes[:, 0]]]]
     found = ("sealed", sealed, True), ("basin", basins, False), ("bell", bells, False)
-    return measure_pockets(mesh, graph, body, found, distance)
+    pockets = measure_pockets(mesh, graph, body, found, distance)
+    return pockets._replace(shells=_without_box(pockets.shells, int(mesh.vertex.max()) - 7))
+
+
+def _without_box(shells, box):
+    """The shells without the box, of this lowest vertex, which pockets touch where a surface crosses itself."""
+    own = shells.member < box
+    kept = np.concatenate([[0], np.cumsum(own)])
+    return Groups(kept[shells.start], shells.member[own])
 
 
 def find_islands(
