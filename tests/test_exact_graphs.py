@@ -118,3 +118,11 @@ def test_an_unfolded_mesh_is_in_canonical_order(solid, seed):
     assert (canonical_faces(mesh.faces, np.arange(n, dtype=np.int32)) == mesh.faces).all()
     assert (find_twins(mesh.faces, n) == mesh.twins).all()
     assert vertex_indices(mesh).min() >= -1
+
+
+@pytest.mark.parametrize("axis", [0, 1, 2])
+def test_a_surface_in_one_plane_has_graphs(axis):
+    """Two triangles back to back: what encloses nothing is ordered by the coordinates that differ."""
+    points = np.insert(np.array([[0.0, 0.0], [1.0, 0.2], [0.3, 1.0]]), axis, 5.0, axis=1)
+    for graph in exact_graphs(points, [[0, 1, 2], [0, 2, 1]]):
+        assert len(graph.vertex) == 2 and graph.arcs.tolist() == [[0, 1]]

@@ -300,7 +300,7 @@ def test_the_picture_has_each_kind_in_its_colour():
 
 def test_the_door_says_what_is_wrong():
     ring = solids.torus()
-    for distance in (0, -1, np.nan):
+    for distance in (0, -1, np.nan, np.inf, "a"):
         with pytest.raises(ReebsliceError, match="distance is"):
             find_loops(ring.points, ring.faces, distance=distance)
     with pytest.raises(ReebsliceError, match="bod"):

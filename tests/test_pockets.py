@@ -146,11 +146,13 @@ def test_the_throat_of_a_flask_is_its_neck():
 def test_what_is_sealed_has_no_throat_and_touches_the_shells_around_and_in_it():
     solid = solids.ball_in_hollow_ball()
     shell = solids.connected_vertices(solid)
-    lowest = [int(np.flatnonzero(shell == one)[0]) for one in np.unique(shell)]
     pockets = find_pockets(solid.points, solid.faces)
     assert pockets.kind.tolist() == ["sealed"] and np.isnan(pockets.throat_section).all()
+    by_height = np.argsort(solid.points[:, 2], kind="stable")
     outer = shell[np.argmax(np.linalg.norm(solid.points, axis=1))]
-    assert shells_touched(pockets) == [[first for first in lowest if shell[first] != outer]]
+    (touched,) = shells_touched(pockets)
+    assert [shell[vertex] for vertex in touched] == [one for one in dict.fromkeys(shell[by_height]) if one != outer]
+    assert touched == [min(np.flatnonzero(shell == shell[v]), key=by_height.tolist().index) for v in touched]
     many = [
         solids.move(solids.scale(solids.cube(), 0.1), (x, y, z)) for x in range(5) for y in range(5) for z in range(5)
     ]

@@ -1,14 +1,14 @@
 """Directions of height compared: what each would catch, hold, and leave in the air."""
 
 import math
-from numbers import Integral, Real
+from numbers import Integral
 from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from ..errors import ReebsliceError
-from ..mesh.arguments import take_bodies, take_mesh
+from ..mesh.arguments import LEAST, take_bodies, take_mesh, take_number
 from ..mesh.faults import find_used
 from ..table_checks import build_table
 from ..tilt.choice import rotation_to_vertical
@@ -113,10 +113,10 @@ def compare_directions(
     distance = (
         DISTANCE * diagonal
         if distance is None
-        else _check(distance, "distance", max(diagonal / MOST_LAYERS, np.nextafter(0, 1)), np.inf)
+        else take_number(distance, "distance", max(diagonal / MOST_LAYERS, LEAST))
     )
-    depth = DEPTH * diagonal if least_depth is None else _check(least_depth, "least_depth", 0, np.inf)
-    angle = _check(overhang, "overhang", 0, 90)
+    depth = DEPTH * diagonal if least_depth is None else take_number(least_depth, "least_depth", 0)
+    angle = take_number(overhang, "overhang", 0, 90)
     rows = [(up, *_rate(points, faces, body, up, (distance, depth, angle))) for up in _take_directions(directions)]
     columns = Directions(*map(np.array, zip(*rows, strict=True)))
     columns = columns._replace(**{
@@ -170,13 +170,6 @@ def directions_table(model, found):
     return build_table(
         "directions", {"model": [model] * count, "place": np.arange(count), "x": x, "y": y, "z": z, **fields}
     )
-
-
-def _check(value, name, low, high):
-    """A number within bounds; ReebsliceError if it is none."""
-    if not isinstance(value, Real) or not low <= value <= high or value == np.inf:
-        raise ReebsliceError(f"{name} is {value!r}: it must be a number from {low:g} to {high:g}.")
-    return float(value)
 
 
 def _take_directions(directions):

@@ -6,8 +6,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ..arrays.grouping import Groups
-from ..errors import ReebsliceError
-from ..mesh.arguments import take_arrays, take_bodies, take_rotation
+from ..mesh.arguments import LEAST, take_arrays, take_bodies, take_number, take_rotation
 from ..morse.height_mesh import height_mesh
 from ..morse.reeb_graph import surface_reeb_graph
 from ..slicing.graph_slices import trace_arcs_at_levels
@@ -135,8 +134,8 @@ def find_loops(
     mesh = height_mesh(points, faces, rotation)
     body = take_bodies(body_of_vertex, len(points))[mesh.vertex]
     low, high = mesh.points[[0, -1], 2]
-    if distance is not None and not distance > 0:
-        raise ReebsliceError(f"distance is {distance}: it must be a positive number of mesh units.")
+    if distance is not None:
+        take_number(distance, "distance", LEAST)
     levels = make_levels(mesh, uniform_heights(low, high, distance or (high - low) * SHARE) if high > low else [])
     loops, turn = loops_at_levels(mesh, surface_reeb_graph(mesh), levels, body), take_rotation(rotation)
     return loops._replace(centre=loops.centre @ turn, circles=[circle @ turn for circle in loops.circles])

@@ -47,7 +47,7 @@ class Pockets(NamedTuple):
         The pocket of the same kind into which it opens; -1 for none: it opens to
         the outside, or, an island, joins what is not one, or ends at its top.
     shells : Groups
-        Of each the shells of the surface that it touches, as the lowest number of a vertex of each.
+        Of each the shells of the surface that it touches, each as the vertex of its lowest point, the lowest first.
     """
 
     kind: np.ndarray

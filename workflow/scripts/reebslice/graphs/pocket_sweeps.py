@@ -75,21 +75,18 @@ def mark_shells(mesh, graph, slices):
     -------
     marks : (B, W) int64
         Bit s % 63 of word s // 63 is set of a block that shell s touches.
-    lowest : (S,) int64
-        The lowest number of a vertex of each shell.
+    lowest : (S,) int32
+        The lowest vertex of each shell, by which shells are numbered.
     """
-    vertex, pieces = mesh.vertex[mesh.faces].astype(np.int64), slices.pieces
-    part = connected_items(vertex[:, :2].ravel(), vertex[:, 1:].ravel(), int(vertex.max()) + 1)
-    roots, lowest, shell = np.unique(part, return_index=True, return_inverse=True)
-    used = np.zeros(len(part), bool)
-    used[vertex] = True
-    of_piece = np.empty(len(pieces.slab), np.int64)  # every piece has a critical point or a contour
-    of_piece[pieces.of_node] = shell[mesh.vertex[graph.nodes]]
-    for piece in (pieces.piece_above, pieces.piece_below):
-        of_piece[piece] = shell[mesh.vertex[slices.contours.lower]]
-    marks = np.zeros((slices.n_blocks, len(roots) // BITS + 1), np.int64)
+    pieces = slices.pieces
+    part = connected_items(pieces.piece_below, pieces.piece_above, len(pieces.slab))
+    first, of_piece = np.unique(part[pieces.of_node], return_index=True)[1], np.empty(len(part), np.int64)
+    first.sort()  # nodes are in order of height, and every shell has one
+    of_piece[part[pieces.of_node[first]]] = np.arange(len(first))
+    of_piece = of_piece[part]
+    marks = np.zeros((slices.n_blocks, len(first) // BITS + 1), np.int64)
     np.bitwise_or.at(marks, (slices.block_of_piece, of_piece // BITS), 1 << (of_piece % BITS))
-    return marks, lowest
+    return marks, mesh.vertex[graph.nodes[first]]
 
 
 def list_shells(marks, lowest):
@@ -98,13 +95,13 @@ def list_shells(marks, lowest):
     Parameters
     ----------
     marks : (P, W) int64
-    lowest : (S,) int64
+    lowest : (S,) int32
         As of :func:`mark_shells`.
 
     Returns
     -------
     Groups
-        Of each row, ascending.
+        Of each row, in the order of `lowest`.
     """
     bits = (marks[:, :, None] >> np.arange(BITS)) & 1
     row, shell = np.nonzero(bits.reshape(len(marks), marks.shape[1] * BITS))

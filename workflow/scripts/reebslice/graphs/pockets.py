@@ -7,7 +7,6 @@ superlevel sets, which the graph's extended persistence pairs with the critical
 points where they end.
 """
 
-from numbers import Real
 from typing import Any
 
 import numpy as np
@@ -15,9 +14,8 @@ from numpy.typing import ArrayLike
 
 from ..arrays.components import find, join
 from ..arrays.grouping import Groups
-from ..errors import ReebsliceError
 from ..kernels import njit
-from ..mesh.arguments import take_arrays, take_bodies
+from ..mesh.arguments import LEAST, take_arrays, take_bodies, take_number
 from ..morse.height_mesh import height_mesh
 from ..morse.persistence import extended_pairs
 from ..morse.reeb_graph import surface_reeb_graph
@@ -85,7 +83,7 @@ def find_pockets(
 
 
 def _without_box(shells, box):
-    """The shells without the box, of this lowest vertex, which pockets touch where a surface crosses itself."""
+    """The shells but for the box, whose first vertex this is: pockets touch it where a surface crosses itself."""
     own = shells.member < box
     kept = np.concatenate([[0], np.cumsum(own)])
     return Groups(kept[shells.start], shells.member[own])
@@ -149,10 +147,9 @@ def find_islands(
 
 def _check_lengths(least_depth, distance):
     """Raise ReebsliceError unless the one is a length of 0 or more, and the other, if given, of more."""
-    if not isinstance(least_depth, Real) or not least_depth >= 0:
-        raise ReebsliceError(f"least_depth is {least_depth!r}: it must be a number of 0 or more, in mesh units.")
-    if distance is not None and (not isinstance(distance, Real) or not distance > 0):
-        raise ReebsliceError(f"distance is {distance!r}: it must be a positive number, in mesh units.")
+    take_number(least_depth, "least_depth", 0)
+    if distance is not None:
+        take_number(distance, "distance", LEAST)
 
 
 def _same_component(count, arcs, node):

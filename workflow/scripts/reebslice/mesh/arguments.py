@@ -1,11 +1,14 @@
 """Checks of meshes that a caller hands over as arrays or as another library's object."""
 
+from numbers import Real
+
 import numpy as np
 
 from ..errors import NotASolidError, ReebsliceError
 from ..kernels import njit
 from .faults import find_used, format_point
 
+LEAST = float(np.nextafter(0, 1))  # the bound of what must be more than 0
 MEND = "reebslice.inspect_surface(points, faces)"
 
 
@@ -151,6 +154,31 @@ def take_bodies(body_of_vertex, count):
     if body.min() < 0 or body.max() > np.iinfo(np.int32).max:
         raise ReebsliceError(f"body_of_vertex runs from {body.min()} to {body.max()}: give ids of 0 or more.")
     return body.astype(np.int32)
+
+
+def take_number(value, name, low, high=np.inf):
+    """Take a finite real number from `low` to `high`.
+
+    Parameters
+    ----------
+    value, name : object and str
+    low, high : float
+        `LEAST` stands for more than 0.
+
+    Returns
+    -------
+    float
+
+    Raises
+    ------
+    ReebsliceError
+        It is no number, or out of bounds.
+    """
+    if not isinstance(value, Real) or not low <= value <= high or value == np.inf:
+        bounds = "more than 0" if low == LEAST else f"at least {low:g}"
+        bounds += f" and at most {high:g}" if high < np.inf else ""
+        raise ReebsliceError(f"{name} is {value!r}: it must be a number, {bounds}.")
+    return float(value)
 
 
 def _take_apart(mesh):

@@ -29,7 +29,6 @@ def exact_tilt(points):
     Parameters
     ----------
     points : (n, 3) float64
-        Not all in one plane across an axis.
 
     Returns
     -------
@@ -37,13 +36,14 @@ def exact_tilt(points):
         A power of 1/2, e: z + e x + e^2 y has the order of (z, x, y).
     """
     x, y, _ = np.ptp(points, axis=0)
-    room = min(_smallest_step(points[:, 2]) / (x + y), _smallest_step(points[:, 0]) / y, 1.0)
+    spreads = (_smallest_step(points[:, 2]), x + y), (_smallest_step(points[:, 0]), y)
+    room = min([step / spread for step, spread in spreads if spread > 0] + [1.0])
     return Fraction(1, 2 ** (2 - int(np.floor(np.log2(room)))))
 
 
 def _smallest_step(values):
-    """The least difference of two values that differ."""
-    return float(np.diff(np.unique(values)).min())
+    """The least difference of two values that differ; infinite if all are equal."""
+    return float(np.diff(np.unique(values)).min(initial=np.inf))
 
 
 class ExactContours:
