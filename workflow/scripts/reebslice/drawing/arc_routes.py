@@ -5,7 +5,7 @@ import heapq
 import numpy as np
 
 from ..arrays.grouping import list_groups, list_incidence
-from ..graphs.shown_arcs import spread_labels
+from ..graphs.shown_arcs import spread_over_arcs
 
 AGAIN = 1e9  # costs of an arc that a route before has taken, against one that none has
 
@@ -27,7 +27,7 @@ def route_arcs(ends, weights, pairs):
     routes : list of list of int
         Arcs of the full graph from the lower node to the upper one: the cheapest that only rises, and shares
         arcs with routes before it only where it must; or, where none rises, the cheapest; or none.
-    owner : (A,) int32
+    owner : (A,) int64
         The simplified arc with which each arc of the full graph counts: that which runs along it, or the nearest.
         -1 on a component of which nothing is left.
     """
@@ -43,7 +43,7 @@ def route_arcs(ends, weights, pairs):
         fresh = [arc for arc in route if owner[arc] < 0]
         owner[fresh] = number
         routes.append(route)
-    return routes, spread_labels(np.array(ends, np.int64).reshape(-1, 2), owner)
+    return routes, spread_over_arcs(ends, owner)
 
 
 def _cheapest_way(ends, incident, costs, start, goal, rising):

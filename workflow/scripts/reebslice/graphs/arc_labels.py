@@ -4,9 +4,11 @@ from typing import NamedTuple
 
 import numpy as np
 
+from ..arrays.nearest_labels import spread_labels
 from ..errors import ReebsliceError
 from ..slicing.levels import Levels, pierce
-from .event_slices import EventSlices, cut_at_events, find_sections, sections_at, spread_labels
+from ..slicing.tables import levels_of_table
+from .event_slices import EventSlices, cut_at_events, find_sections, sections_at
 
 # Changes at which an arc of the solid and of the surface begins or ends, so that nothing is to be cut.
 EXTREMES = ("->o", "o->")
@@ -70,10 +72,11 @@ def slice_arcs(mesh, graph, body_of_vertex, levels, contours, handles, arcs):
     """
     rank, change = handles["rank"].to_numpy(), handles["change"].to_pylist()
     cut = np.array([word not in EXTREMES for word in change], bool)
-    generic = np.flatnonzero(np.isnan(_take(levels, "tie_x")))  # others run through flats
+    cuts = levels_of_table(levels)
+    generic = np.flatnonzero(np.isnan(cuts.tie_x))  # others run through flats
     solid, surface = _list_arcs(contours, arcs, generic)
     chosen = _choose_witnesses(contours, generic, (solid, surface))
-    slices = cut_at_events(mesh, graph, body_of_vertex, rank[cut], _take_levels(levels, chosen))
+    slices = cut_at_events(mesh, graph, body_of_vertex, rank[cut], Levels(*(column[chosen] for column in cuts)))
     here, there = _match_contours(slices, contours, chosen)
     of_solid, of_surface = find_sections(slices, graph)
     blocks, pieces = slices.block_above[slices.regions.of_contour[here]], slices.pieces.piece_above[here]
@@ -88,17 +91,6 @@ def slice_arcs(mesh, graph, body_of_vertex, levels, contours, handles, arcs):
         low, high = (sections.of_part[side[sections.ends]] for side in (sections.below, sections.above))
         labels.append(spread_labels(label, low, high)[sections.of_part])
     return ArcSlices(slices, *labels, of_solid.flat)
-
-
-def _take(levels, name):
-    """A column of the table `levels`, NaN for null."""
-    return levels[name].to_numpy(zero_copy_only=False).astype(float)
-
-
-def _take_levels(levels, chosen):
-    """Some rows of the table `levels` as :class:`Levels`."""
-    below = levels["vertices_below"].to_numpy()[chosen]
-    return Levels(_take(levels, "height")[chosen], below, *(_take(levels, tie)[chosen] for tie in ("tie_x", "tie_y")))
 
 
 def _list_arcs(contours, arcs, generic):

@@ -227,29 +227,3 @@ def _step(sections, parts, level, upward):
     here = slice(*np.searchsorted(sections.level, [level, level + 1]))
     near, far = sections.below[here], sections.above[here]
     return far[np.isin(near, parts)] if upward else near[np.isin(far, parts)]
-
-
-def spread_labels(label, low, high):
-    """Give items without a label that of their nearest neighbour with one.
-
-    Parameters
-    ----------
-    label : (N,) int
-        -1 for none.
-    low, high : (E,) int
-        Items that are neighbours.
-
-    Returns
-    -------
-    (N,) int64
-        Labels; of neighbours that are equally many steps away the lowest. -1 where no labelled item is to be reached.
-    """
-    label, nothing = np.array(label, np.int64), np.iinfo(np.int64).max
-    while True:
-        found = np.full(len(label), nothing)
-        for one, other in ((low, high), (high, low)):
-            reached = (label[one] < 0) & (label[other] >= 0)
-            np.minimum.at(found, one[reached], label[other[reached]])
-        if (found == nothing).all():
-            return label
-        label = np.where(found < nothing, found, label)

@@ -8,12 +8,11 @@ level crosses counts with the nearest that one does.
 
 import numpy as np
 
-from ..arrays.grouping import list_incidence
+from ..arrays.nearest_labels import spread_labels
 from ..errors import ReebsliceError
-from ..kernels import njit
 from ..morse.face_arcs import arcs_of_faces
 from ..slicing.graph_slices import trace_arcs_at_levels
-from ..slicing.levels import Levels
+from ..slicing.tables import levels_of_table
 
 
 def label_shown_arcs(mesh, graph, faces, tables):
@@ -31,7 +30,7 @@ def label_shown_arcs(mesh, graph, faces, tables):
 
     Returns
     -------
-    (m,) int32
+    (m,) int64
         `arc` of the rows of `arcs` with graph `surface`; -1 on a component that no level cuts.
 
     Raises
@@ -40,7 +39,7 @@ def label_shown_arcs(mesh, graph, faces, tables):
         The contours are not those of this surface.
     """
     arc_of_contour = arcs_of_contours(tables["arcs"], tables["contours"].num_rows)
-    contours, of_arcs = trace_arcs_at_levels(mesh, graph, _take_levels(tables["levels"]))
+    contours, of_arcs = trace_arcs_at_levels(mesh, graph, levels_of_table(tables["levels"]))
     anchors = mesh.vertex[np.column_stack([contours.lower, contours.upper])]
     told = np.column_stack([tables["contours"][name].to_numpy() for name in ("lower_vertex", "upper_vertex")])
     if not np.array_equal(anchors, told):
@@ -48,7 +47,7 @@ def label_shown_arcs(mesh, graph, faces, tables):
     shown = np.full(len(graph.arcs), -1, np.int32)
     crossed = np.flatnonzero(np.diff(of_arcs.start))
     shown[crossed] = arc_of_contour[of_arcs.member[of_arcs.start[crossed]]]
-    return spread_labels(graph.arcs, shown)[arcs_of_faces(mesh, graph, faces)]
+    return spread_over_arcs(graph.arcs, shown)[arcs_of_faces(mesh, graph, faces)]
 
 
 def arcs_of_contours(arcs, count):
@@ -73,46 +72,21 @@ def arcs_of_contours(arcs, count):
     return found
 
 
-def _take_levels(table):
-    """The :class:`Levels` of the table `levels`."""
-    tie_x, tie_y = (np.array(table[name].to_pylist(), float) for name in ("tie_x", "tie_y"))
-    return Levels(table["height"].to_numpy(), table["vertices_below"].to_numpy(), tie_x, tie_y)
-
-
-def spread_labels(ends, label):
+def spread_over_arcs(ends, label):
     """Give arcs without a label that of the nearest arc with one.
 
     Parameters
     ----------
     ends : (A, 2) int
         Nodes 0, 1, ... that the arcs join.
-    label : (A,) int32
+    label : (A,) int
         -1 for none.
 
     Returns
     -------
-    (A,) int32
-        Nearest by the number of nodes in between, then by the number of the arc; -1 where no way leads to a label.
+    (A,) int64
+        Nearest by the number of nodes in between, of equally near ones the lowest label; -1 where no way leads to one.
     """
-    ends = np.ascontiguousarray(ends)
-    return _spread(ends, list_incidence(ends, int(ends.max(initial=-1)) + 1), label.astype(np.int32))
-
-
-@njit
-def _spread(ends, incident, label):
-    """Do as :func:`spread_labels`, breadth first; changes `label` and returns it."""
-    queue, count = np.empty(len(label), np.int64), 0
-    for arc in range(len(label)):
-        if label[arc] >= 0:
-            queue[count] = arc
-            count += 1
-    place = 0
-    while place < count:
-        for end in ends[queue[place]]:
-            for other in incident.member[incident.start[end] : incident.start[end + 1]]:
-                if label[other] < 0:
-                    label[other] = label[queue[place]]
-                    queue[count] = other
-                    count += 1
-        place += 1
-    return label
+    count = len(label)
+    items = np.append(label, np.full(int(np.max(ends, initial=-1)) + 1, -1))  # nodes lie between arcs
+    return spread_labels(items, np.repeat(np.arange(count), 2), count + np.ravel(ends))[:count]

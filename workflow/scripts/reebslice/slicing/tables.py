@@ -10,6 +10,7 @@ from ..formats.wkb import pack_curves, unpack_curves
 from ..planar.curves import pick_curves
 from ..planar.outlines import Outlines, mend_outlines
 from ..table_checks import build_table
+from .levels import Levels
 
 POINTS_AT_ONCE = 1 << 18  # of contours packed together: 4 MB of them, which stay in a cache
 
@@ -43,6 +44,25 @@ def levels_table(slices, refined):
             "why": np.where(refined, "refined", "uniform").tolist(),
         },
     )
+
+
+def levels_of_table(table):
+    """Take levels from their table.
+
+    Parameters
+    ----------
+    table : pyarrow.Table
+        `levels`.
+
+    Returns
+    -------
+    Levels
+        All rows.
+    """
+    height, tie_x, tie_y = (
+        table[name].to_numpy(zero_copy_only=False).astype(float) for name in ("height", "tie_x", "tie_y")
+    )
+    return Levels(height, table["vertices_below"].to_numpy(), tie_x, tie_y)
 
 
 def contours_table(mesh, slices, shell_of_vertex):
