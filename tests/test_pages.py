@@ -519,7 +519,7 @@ const lit = () =>
   document.querySelector('.arcs:not([hidden]) tr[data-arc="2"]').focus();
   note("row");
   drawn.querySelector('[data-node="0"]').dispatchEvent(new MouseEvent("click", { bubbles: true }));
-  await wait(200);
+  while (!/copied/.test(document.querySelector("#told").innerText)) await wait(50);
   note("click");
   const canvas = document.querySelector("canvas");
   const box = canvas.getBoundingClientRect();
