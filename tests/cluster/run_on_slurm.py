@@ -40,12 +40,15 @@ CONFIG = (
     "compare={levels: [16], tilts: [none]}",
     "draw={width: 400}",
 )
+ABREAST = ("--resources", "side_by_side=2")
 QUICK = ("--latency-wait", "5")  # one file system, one node
 POLL = ("--slurm-init-seconds-before-status-checks", "5")
 SUBMIT = "sbatch --parsable --mem={resources.mem_mb} --time={resources.runtime} --output=sbatch-%j.log"
 GROUPS = [
     f"{rule}={group}" for rule, group in yaml.safe_load((PROFILES / "slurm/config.yaml").read_text())["groups"].items()
 ]
+SERIAL = ("--default-resources", "side_by_side=1", "--resources", "side_by_side=1")
+SERIAL += ("--set-resource-scopes", "side_by_side=local")
 GENERIC = ("--executor", "cluster-generic", "--cluster-generic-submit-cmd", SUBMIT)
 GENERIC += ("--cluster-generic-status-cmd", str(HERE / "job_status.sh"), "--cluster-generic-cancel-cmd", "scancel")
 
@@ -87,13 +90,25 @@ ALL_WAYS = (
     ),
     Way(
         "cluster-generic",
-        (*GENERIC, "--jobs", "20", "--retries", "1", "--max-jobs-per-timespan", "1/2s", *QUICK, "--groups", *GROUPS),
+        (
+            *GENERIC,
+            "--jobs",
+            "20",
+            "--retries",
+            "1",
+            "--max-jobs-per-timespan",
+            "1/2s",
+            *QUICK,
+            "--groups",
+            *GROUPS,
+            *SERIAL,
+        ),
         disturbed=True,
         says=("Trying to restart job", "Job rate limit reached"),
     ),
     Way(
         "one job for two batches",
-        ("--workflow-profile", str(PROFILES / "slurm"), "--group-components", "batch=2", *POLL, *QUICK),
+        ("--workflow-profile", str(PROFILES / "slurm"), "--group-components", "batch=2", *ABREAST, *POLL, *QUICK),
     ),
     Way(
         "all in one job",
