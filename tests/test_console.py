@@ -154,4 +154,8 @@ def test_the_last_lines_tell_verdicts_and_what_needs_a_look(tmp_path):
         "  m10: FAILED: memory ran out",
         f"All models, with reasons and figures: {path}",
     ]
+    unsure = {"void_verdict": "uncertified", "basins_count": 1}
+    write_parquet(path, pa.Table.from_pylist([row | unsure for row in rows[:2]]))
+    told = "Pockets are not certified of 2, as the column void_reason says: m0 first"
+    assert tell_outcome(path)[0] == ["2 models: 2 exact", told, f"All models, with reasons and figures: {path}"]
     assert list_first(["a", "b", "c"]) == ["  a", "  b", "  c"]

@@ -79,6 +79,16 @@ def test_a_fault_in_it_is_told_with_the_files(folder):
     assert f"It was taken from {ROOT / 'config/config.yaml'}, then {folder / 'config/config.yaml'}, then --conf" in said
 
 
+def test_the_library_beside_the_workflow_counts_though_another_is_installed(folder, tmp_path):
+    other = tmp_path / "elsewhere/reebslice/__init__.py"
+    other.parent.mkdir(parents=True)
+    other.write_text("raise ImportError('the other one')\n")
+    write_box(folder / "meshes/new.off", 0.7)
+    environment = {"PYTHONPATH": str(tmp_path / "elsewhere")}
+    code, said = run(folder, "results/models/new/tilt.json", options=(), environment=environment)
+    assert code == 0, said
+
+
 # One model, some models
 
 

@@ -105,6 +105,8 @@ def test_pockets_and_islands_begin_and_end_at_their_events(tmp_path):
         assert (last["vertex"], last["height"]) == (row["end"], row["end_height"])
         assert first["change"] == change and closing in (None, last["change"])
         assert row["depth"] == abs(row["end_height"] - row["begin_height"])
+        assert [row[axis] for axis in ("x", "y", "z")] == [first[axis] for axis in ("x", "y", "z")]
+        assert [row[axis] for axis in ("end_x", "end_y", "end_z")] == [last[axis] for axis in ("x", "y", "z")]
     by_kind = {row["kind"]: row for row in pockets}
     assert sorted(by_kind) == ["basin", "sealed"] and len(pockets) == 2
     assert by_kind["basin"]["volume"] == pytest.approx(3) and by_kind["sealed"]["volume"] == pytest.approx(1)

@@ -49,6 +49,10 @@ from corpus.targets import find_unmade, read_wishes, redirect_targets, withdraw_
 os.environ.setdefault("NUMBA_CACHE_DIR", str(compiled_code_folder(SCRIPTS / "reebslice")))
 
 STARTED = time.time()
+GATHERED = {
+    "compare_methods": "results/corpus/comparison.parquet",
+    "compare_directions": "results/corpus/directions.parquet",
+}
 
 try:
     check_file_sharing(workflow.storage_settings)
@@ -282,9 +286,13 @@ def close_run():
     if WISHES:
         close_wishes()
         return
-    if MODELS_TABLE.exists():
+    rules = {job.rule.name for job in workflow.dag.jobs}
+    gathered = [path for name, path in GATHERED.items() if any(rule.endswith(name) for rule in rules)]
+    if gathered:
+        logger.info("\n".join(["Made, or there already:", *(f"  {Path(path).absolute()}" for path in gathered)]))
+    if any(rule.endswith("collect_models") for rule in rules) and MODELS_TABLE.exists():
         lines, failed = tell_outcome(MODELS_TABLE)
-        if "view" in CHOSEN:
+        if "view" in CHOSEN and any(MODELS_FOLDER.glob("*/view.html")):
             lines.append(f"Pages, to be opened in a browser: {MODELS_FOLDER.absolute()}/*/view.html")
         if failed:
             raise WorkflowError(
@@ -301,7 +309,7 @@ def close_wishes():
         raise WorkflowError(
             f"{len(unmade)} of {len(WISHES)} files asked for were not made:\n" + "\n".join(list_first(unmade))
         )
-    logger.info("\n".join(["Made, or there already:", *list_first([wish.path for wish in WISHES])]))
+    logger.info("\n".join(["Made, or there already:", *list_first(list(dict.fromkeys(wish.path for wish in WISHES)))]))
 
 
 def explain_error(log):

@@ -3,7 +3,7 @@
 import numpy as np
 
 from corpus.stages import Rejected, run_batch
-from corpus.storage import read_table
+from corpus.storage import read_json, read_table
 from corpus.surfaces import read_faces, read_points, read_rotation
 from corpus.whole_files import place_whole
 from reebslice.drawing.canvas import encode_png
@@ -33,7 +33,10 @@ def main(source, target, options):
     with place_whole(target / "pockets.glb") as scratch:
         scratch.write_bytes(pockets_scene(bodies, kinds, ids))
     upright = [(spots @ np.transpose(rotation), corners) for spots, corners in bodies]
-    image = draw_pockets(source.name, points @ np.transpose(rotation), faces, upright, kinds, options)
+    told = read_json(source / "inspection.json")
+    crosses = told["self_crossings"] or told["body_crossings"]
+    title = f"{source.name}: not certain, the surface crosses itself" if crosses else source.name
+    image = draw_pockets(title, points @ np.transpose(rotation), faces, upright, kinds, options)
     (target / "pockets.png").write_bytes(encode_png(image))
 
 

@@ -27,8 +27,8 @@ def main(source, target, options):
         raise Rejected(
             f"no pockets were looked for: {fault}. Take a larger pockets.distance or pockets.least_depth."
         ) from None
-    write_table(target / "pockets.parquet", "pockets", pockets_table("pockets", pockets, handles, shell))
-    write_table(target / "islands.parquet", "islands", pockets_table("islands", islands, handles, shell))
+    write_table(target / "pockets.parquet", "pockets", pockets_table("pockets", pockets, handles, points, shell))
+    write_table(target / "islands.parquet", "islands", pockets_table("islands", islands, handles, points, shell))
     write_json(target / "pockets.json", sum_pockets(pockets, islands))
 
 

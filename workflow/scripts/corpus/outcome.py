@@ -19,7 +19,9 @@ def tell_outcome(path):
     failed : int
         How many models failed, which the next run tries again.
     """
-    rows = pq.ParquetFile(path).read(columns=["model", "status", "verdict", "reason"]).to_pylist()
+    wanted = ("model", "status", "verdict", "reason", "void_verdict", "basins_count")
+    file = pq.ParquetFile(path)
+    rows = file.read(columns=[name for name in wanted if name in file.schema_arrow.names]).to_pylist()
     kinds = Counter(_kind(row) for row in rows)
     order = sorted(kinds, key=lambda kind: (*(kind != word for word in (*SOUND, "uncertified", "rejected")), kind))
     lines = [
@@ -31,6 +33,9 @@ def tell_outcome(path):
     for kind in looked:
         told = [f"{row['model']}: {kind}: {row['reason']}" for row in rows if _kind(row) == kind]
         lines += list_first(told)
+    unsure = [row["model"] for row in rows if "basins_count" in row and row.get("void_verdict") == "uncertified"]
+    if unsure:
+        lines.append(f"Pockets are not certified of {len(unsure)}, as the column void_reason says: {unsure[0]} first")
     return [*lines, f"All models, with reasons and figures: {path.absolute()}"], kinds["FAILED"]
 
 

@@ -10,7 +10,11 @@ from .views import project_points
 
 # Colours of Okabe and Ito, told apart by the colour-blind.
 INKS = {"handle": "#D55E00", "tunnel": "#0072B2", "mixed": "#A3246E"}
-WORDS = {"handle": "fill the circle with material", "tunnel": "fill it with void", "mixed": "neither side fills it"}
+WORDS = {
+    "handle": "a bar: cut there, it is open",
+    "tunnel": "a hole: plugged there, it is closed",
+    "mixed": "neither the one nor the other",
+}
 
 
 def draw_loops(name, points, faces, loops, options):

@@ -62,7 +62,7 @@ def describe_verdict(certificate, unit):
 
 
 def describe_model(told, model, unit):
-    """Say what a model is made of: bodies, voids, genus and where it comes from, sizes.
+    """Say what a model is made of: bodies, voids, genus and where it comes from, sizes; and what is not certain of it.
 
     Parameters
     ----------
@@ -83,6 +83,8 @@ def describe_model(told, model, unit):
     words.append(f"height {low} to {high}" + ("" if unit else ", in the units of the mesh"))
     words.append(f"{len(model.heights):,} levels")
     words.append(f"{len(model.faces):,} faces")
+    if certificate.get("void_verdict") == "uncertified":
+        words.append(f"pockets are not certified: {certificate.get('void_reason') or 'see the certificate'}")
     return [text for text in words if text]
 
 

@@ -20,7 +20,7 @@ EVENTS_OF = {
 PLAIN = ("begin", "end", "begin_height", "end_height", "volume", "section", "largest")
 
 
-def pockets_table(name, pockets, handles, shell_of_vertex):
+def pockets_table(name, pockets, handles, points, shell_of_vertex):
     """Make the table `pockets` or `islands`.
 
     Parameters
@@ -29,6 +29,8 @@ def pockets_table(name, pockets, handles, shell_of_vertex):
     pockets : Pockets
     handles : pyarrow.Table
         The table `handles` of the same surface.
+    points : (n, 3) float64
+        Its vertices, model frame.
     shell_of_vertex : (n,) int32
 
     Returns
@@ -45,6 +47,7 @@ def pockets_table(name, pockets, handles, shell_of_vertex):
         ],
     }
     for side, vertices in enumerate((pockets.begin, pockets.end)):
+        columns |= dict(zip((("x", "y", "z"), ("end_x", "end_y", "end_z"))[side], points[vertices].T))
         columns[f"{('begin', 'end')[side]}_handle"] = _handles_of(pockets, handles, vertices.tolist(), side)
     for column in ("throat_height", "throat_section", "throat_radius"):
         columns[column] = [None if np.isnan(value) else value for value in columns[column].tolist()]
