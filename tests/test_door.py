@@ -190,6 +190,31 @@ def test_meshes_of_other_libraries_are_taken_whole():
         reebslice.height_mesh(poly)
 
 
+def test_a_surface_in_order_of_height_is_taken_as_the_surface_is():
+    """Also where multiple saddles were unfolded before it was turned inside out, and points lie in no face."""
+    for seed, solid in enumerate((solids.torus(), solids.monkey_saddle(5), solids.cup(), *map(solids.csg, range(6)))):
+        turn = None if seed % 2 else solids.rotation(seed)
+        points = np.vstack([[[np.nan] * 3], solid.points, [[np.inf] * 3]])
+        body, given = np.zeros(len(points), np.int32), (points, solid.faces + 1)
+        mesh = reebslice.height_mesh(*given, turn)
+        found = [reebslice.exact_graphs(mesh, body_of_vertex=body), reebslice.find_islands(mesh, None, None, body)]
+        wanted = [reebslice.exact_graphs(*given, turn, body), reebslice.find_islands(*given, turn, body)]
+        for function in reebslice.void_reeb_graph, reebslice.find_pockets:
+            found.append(function(mesh))
+            wanted.append(function(*given, turn))
+        found.append(reebslice.find_loops(mesh, rotation=turn, body_of_vertex=body))
+        wanted.append(reebslice.find_loops(*given, turn, body_of_vertex=body))
+        np.testing.assert_equal(found, wanted)
+
+
+def test_a_surface_in_order_of_height_is_given_alone():
+    mesh = reebslice.height_mesh(BALL.points, BALL.faces)
+    with pytest.raises(ReebsliceError, match="leave them out"):
+        reebslice.exact_graphs(mesh, BALL.faces)
+    with pytest.raises(ReebsliceError, match="one whole number for each"):
+        reebslice.exact_graphs(mesh, body_of_vertex=[0, 0])
+
+
 def test_graphs_become_networkx_graphs_with_parallel_arcs():
     torus = solids.torus(upright=True)
     surface, _ = reebslice.exact_graphs(torus.points, torus.faces)

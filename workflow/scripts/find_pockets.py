@@ -8,21 +8,23 @@ from corpus.surfaces import read_faces, read_points, read_rotation, read_shells
 from reebslice.errors import TooManyCrossingsError
 from reebslice.graphs.pocket_tables import pockets_table, sum_pockets
 from reebslice.graphs.pockets import find_islands, find_pockets
+from reebslice.morse.height_mesh import height_mesh
 
 OUTPUTS = ("pockets.parquet", "islands.parquet", "pockets.json")
 
 
 def main(source, target, options):
     """Find pockets and islands of the model in folder `source`, write them to folder `target`."""
-    points, faces, rotation = read_points(source), read_faces(source), read_rotation(source)
+    points = read_points(source)
+    mesh = height_mesh(points, read_faces(source), read_rotation(source))
     shell, body = read_shells(source, len(points))
     handles = read_table(source / "handles.parquet", "handles")
     height = np.ptp(read_table(source / "critical_points.parquet", "critical_points")["height"].to_numpy())
     depth = options["least_depth"] * float(np.linalg.norm(np.ptp(points, axis=0)))
     distance = options["distance"] * height or None
     try:
-        pockets = find_pockets(points, faces, rotation, depth, distance)
-        islands = find_islands(points, faces, rotation, body, depth, distance)
+        pockets = find_pockets(mesh, least_depth=depth, distance=distance)
+        islands = find_islands(mesh, body_of_vertex=body, least_depth=depth, distance=distance)
     except TooManyCrossingsError as fault:
         raise Rejected(
             f"no pockets were looked for: {fault}. Take a larger pockets.distance or pockets.least_depth."

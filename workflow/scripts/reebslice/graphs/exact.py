@@ -8,8 +8,7 @@ from numpy.typing import ArrayLike
 from scipy.sparse.csgraph import connected_components
 
 from ..arrays.grouping import group_of_members
-from ..mesh.arguments import take_arrays, take_bodies
-from ..morse.height_mesh import height_mesh
+from ..morse.height_mesh import height_mesh_of_bodies
 from ..morse.reeb_graph import critical_persistence, surface_reeb_graph
 from ..slicing.crowding import block_chains
 from ..slicing.refinement import exact_slices
@@ -74,7 +73,7 @@ def exact_graphs(
     Parameters
     ----------
     points : (n, 3) float, mesh units
-        Or, with `faces` left out, a `trimesh.Trimesh` or a `pyvista.PolyData`.
+        Or, with `faces` left out, a `trimesh.Trimesh`, a `pyvista.PolyData` or a :class:`HeightMesh`.
     faces : (m, 3) int
         Counter-clockwise seen from outside, of a closed, oriented surface
         without pinched vertices (:func:`inspect_surface` makes one of others).
@@ -111,10 +110,8 @@ def exact_graphs(
     >>> solid.height.tolist(), solid.arcs.tolist()
     ([0.0, 1.0], [[0, 1]])
     """
-    points, faces = take_arrays(points, faces)
-    mesh = height_mesh(points, faces, rotation)
+    mesh, body = height_mesh_of_bodies(points, faces, rotation, body_of_vertex)
     graph = surface_reeb_graph(mesh)
-    body = take_bodies(body_of_vertex, len(points))[mesh.vertex]
     return _name_vertices(mesh, graph.nodes, graph.arcs), _name_vertices(mesh, *solid_reeb_graph(mesh, graph, body))
 
 

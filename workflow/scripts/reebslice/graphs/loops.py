@@ -6,8 +6,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ..arrays.grouping import Groups
-from ..mesh.arguments import LEAST, take_arrays, take_bodies, take_number, take_rotation
-from ..morse.height_mesh import height_mesh
+from ..mesh.arguments import LEAST, take_number, take_rotation
+from ..morse.height_mesh import height_mesh_of_bodies
 from ..morse.reeb_graph import surface_reeb_graph
 from ..slicing.graph_slices import trace_arcs_at_levels
 from ..slicing.levels import Levels, cut_between, make_levels, pierce, uniform_heights
@@ -95,7 +95,8 @@ def find_loops(
     Parameters
     ----------
     points, faces, rotation, body_of_vertex
-        As for :func:`exact_graphs`.
+        As for :func:`exact_graphs`. The rotation of a :class:`HeightMesh` is that by which it was made: it brings
+        centres and circles back to the model frame.
     distance : float, optional
         Upper bound of the spacing of the levels, mesh units; by default 1/200 of the height of the surface.
 
@@ -130,9 +131,7 @@ def find_loops(
     >>> loops.kind.tolist(), loops.inscribed_radius.round(1).tolist()
     (['handle'], [1.0])
     """
-    points, faces = take_arrays(points, faces)
-    mesh = height_mesh(points, faces, rotation)
-    body = take_bodies(body_of_vertex, len(points))[mesh.vertex]
+    mesh, body = height_mesh_of_bodies(points, faces, rotation, body_of_vertex)
     low, high = mesh.points[[0, -1], 2]
     if distance is not None:
         take_number(distance, "distance", LEAST)

@@ -15,8 +15,8 @@ from numpy.typing import ArrayLike
 from ..arrays.components import find, join
 from ..arrays.grouping import Groups
 from ..kernels import njit
-from ..mesh.arguments import LEAST, take_arrays, take_bodies, take_number
-from ..morse.height_mesh import height_mesh
+from ..mesh.arguments import LEAST, take_number
+from ..morse.height_mesh import height_mesh, height_mesh_of_bodies
 from ..morse.persistence import extended_pairs
 from ..morse.reeb_graph import surface_reeb_graph
 from .exact import solid_reeb_graph
@@ -68,7 +68,7 @@ def find_pockets(
     (['basin'], [1.5], [1.0])
     """
     _check_lengths(least_depth, distance)
-    mesh = void_mesh(points, faces, rotation)
+    mesh = void_mesh(height_mesh(points, faces, rotation))
     graph = surface_reeb_graph(mesh)
     body = np.zeros(len(mesh.points), np.int32)
     nodes, arcs = solid_reeb_graph(mesh, graph, body)
@@ -131,10 +131,8 @@ def find_islands(
     ([1.0], [3.0], [2.0])
     """
     _check_lengths(least_depth, distance)
-    points, faces = take_arrays(points, faces)
-    mesh = height_mesh(points, faces, rotation)
+    mesh, body = height_mesh_of_bodies(points, faces, rotation, body_of_vertex)
     graph = surface_reeb_graph(mesh)
-    body = take_bodies(body_of_vertex, len(points))[mesh.vertex]
     nodes, arcs = solid_reeb_graph(mesh, graph, body)
     pairs = extended_pairs(len(nodes), arcs)
     height = mesh.points[nodes, 2]

@@ -10,40 +10,38 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..mesh.arguments import take_mesh, take_rotation
-from ..mesh.faults import find_used
-from ..morse.height_mesh import height_mesh
-from ..morse.ordered_mesh import tilt_points
+from ..mesh.half_edges import find_twins
+from ..mesh.orders import canonical_faces
+from ..morse.height_mesh import HeightMesh, height_mesh
 from ..morse.reeb_graph import surface_reeb_graph
 from .exact import ExactGraph, solid_reeb_graph
 
-# Corners 4 z + 2 y + x of the box around all, and its faces, counter-clockwise seen from outside.
-_CORNERS = np.array([[k & 1, k >> 1 & 1, k >> 2] for k in range(8)], float)
-_SIDES = np.array([[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]], np.int32)
+# Corners 4 z + 2 x + y of the box around all, in order of height, and its faces, counter-clockwise seen from outside.
+_CORNERS = np.array([[k >> 1 & 1, k & 1, k >> 2] for k in range(8)], float)
+_SIDES = np.array([[0, 1, 3, 2], [4, 6, 7, 5], [0, 2, 6, 4], [1, 5, 7, 3], [0, 4, 5, 1], [2, 3, 7, 6]], np.int32)
 _FACES = np.concatenate([_SIDES[:, [0, 1, 2]], _SIDES[:, [0, 2, 3]]])
 
 
-def void_mesh(points, faces, rotation):
-    """Turn a surface inside out, in a box of about three times its size, in order of height.
+def void_mesh(mesh):
+    """Turn a surface inside out, in a box of about three times its size.
 
     Parameters
     ----------
-    points, faces, rotation
-        As for :func:`.height_mesh.height_mesh`.
+    mesh : HeightMesh
 
     Returns
     -------
-    mesh : HeightMesh
-        Its solid is the void inside the box. Entries of `vertex` are those of `points`, or, for the eight corners
+    HeightMesh
+        Its solid is the void inside the box. Entries of `vertex` are those of `mesh`, or, for the eight corners
         of the box, larger. The box stands upright in the tilted frame.
-
-    Raises
-    ------
-    NotASolidError, ReebsliceError
-        As of `height_mesh`.
     """
-    points, faces = take_mesh(points, faces)
-    return height_mesh(*box_in(tilt_points(points, take_rotation(rotation)), faces))
+    points, faces = box_in(mesh.points, mesh.faces)
+    vertex = np.append(mesh.vertex, mesh.vertex.max() + 1 + np.arange(8, dtype=np.int32))
+    n = len(mesh.points)
+    order = np.concatenate([np.arange(n, n + 4), np.arange(n), np.arange(n + 4, n + 8)])  # upward
+    rank = np.argsort(order, kind="stable")
+    faces = canonical_faces(faces, rank)
+    return HeightMesh(points[order], faces, find_twins(faces, len(points)), vertex[order])
 
 
 def box_in(points, faces):
@@ -52,16 +50,16 @@ def box_in(points, faces):
     Parameters
     ----------
     points : (n, 3) float64
+        All of them in faces.
     faces : (m, 3) int
 
     Returns
     -------
     points : (n + 8, 3) float64
-        The corners of the box come last.
+        The corners of the box come last, in order of height, then x, then y.
     faces : (m + 12, 3) int
     """
-    spots = points[find_used(len(points), faces)]
-    low, high = spots.min(axis=0), spots.max(axis=0)
+    low, high = (np.array([end(column) for column in points.T]) for end in (np.min, np.max))
     margin = (high - low).max()
     box = low - margin + _CORNERS * (high - low + 2 * margin)
     return np.concatenate([points, box]), np.concatenate([faces[:, ::-1], _FACES + len(points)])
@@ -73,7 +71,7 @@ def void_reeb_graph(points: Any, faces: ArrayLike | None = None, rotation: Array
     Parameters
     ----------
     points : (n, 3) float, mesh units
-        Or, with `faces` left out, a `trimesh.Trimesh` or a `pyvista.PolyData`.
+        Or, with `faces` left out, a `trimesh.Trimesh`, a `pyvista.PolyData` or a :class:`HeightMesh`.
     faces : (m, 3) int
         Of a surface as for :func:`exact_graphs`, which does not cross itself, be it of one body or of several.
     rotation : (3, 3) float, optional
@@ -103,7 +101,7 @@ def void_reeb_graph(points: Any, faces: ArrayLike | None = None, rotation: Array
     >>> void.height.tolist(), void.arcs.tolist()
     ([-inf, 0.0, 1.0, inf], [[0, 1], [1, 2], [2, 3]])
     """
-    mesh = void_mesh(points, faces, rotation)
+    mesh = void_mesh(height_mesh(points, faces, rotation))
     nodes, arcs = solid_reeb_graph(mesh, surface_reeb_graph(mesh), np.zeros(len(mesh.points), np.int32))
     outside = mesh.vertex[nodes] >= mesh.vertex.max() - 7  # the corners of the box come last
     far = np.where(mesh.points[nodes, 2] < np.median(mesh.points[[0, -1], 2]), -np.inf, np.inf)
