@@ -3,8 +3,8 @@
 import numpy as np
 
 from entrants import ENTRANTS
+from pages import put_table
 
-MARKS = "<!-- {} begins -->\n", "<!-- {} ends -->"
 CELL = ["shape", "nominal", "levels", "bumps"]
 OURS = "reebslice"
 # Seconds of an earlier comparison with VTK on such meshes, as these do not install from PyPI; VTK took 10 s on the
@@ -25,12 +25,9 @@ COLOURS = {
 
 def write_page(path, table):
     """Replace what stands between the marks of every table on the page."""
-    text, runs = path.read_text(), summarize(table)
+    runs = summarize(table)
     for name, lines in TABLES.items():
-        first, last = (mark.format(name) for mark in MARKS)
-        before, _, rest = text.partition(first)
-        text = before + first + "\n".join(lines(runs)) + "\n" + last + rest.partition(last)[2]
-    path.write_text(text)
+        put_table(path, name, lines(runs))
 
 
 def summarize(table):

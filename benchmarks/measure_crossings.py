@@ -10,7 +10,6 @@ installed are left out: libigl, by CGAL's exact kernel, and meshlib.
 """
 
 import argparse
-import re
 import sys
 from functools import partial
 from pathlib import Path
@@ -22,6 +21,7 @@ sys.path.insert(0, str(ROOT / "workflow" / "scripts"))
 
 from bumpy_meshes import bumpy_torus, level_heights
 from clocks import processor_seconds
+from pages import put_table
 from reebslice import height_mesh, inspect_surface, nested_contours, read_mesh
 from reebslice.errors import MeshFormatError
 from reebslice.mesh.self_crossings import find_crossings
@@ -32,7 +32,6 @@ HEAD = (
     "| mesh | faces | pairs | seconds | slicing | ratio | libigl | pairs | meshlib | pairs |",
     "| --- |" + " ---: |" * 9,
 )
-MARKS = "<!-- crossings begins -->\n", "<!-- crossings ends -->"
 
 
 def main(arguments=None):
@@ -45,10 +44,7 @@ def main(arguments=None):
     for name, points, faces in list_surfaces(options.meshes):
         lines.append(measure(name, points, faces))
         print(lines[-1], flush=True)
-    first, last = MARKS
-    pattern = re.escape(first) + ".*?" + re.escape(last)
-    table = first + "\n".join(lines) + "\n" + last
-    options.page.write_text(re.sub(pattern, lambda _: table, options.page.read_text(), flags=re.DOTALL))
+    put_table(options.page, "crossings", lines)
 
 
 def list_surfaces(paths):

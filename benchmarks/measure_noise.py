@@ -7,18 +7,17 @@ a row for every accepted mesh. With --keep, results that are there are taken.
 """
 
 import argparse
-import re
 from pathlib import Path
 
 from corpus.stages import Rejected
 from model_runs import ROOT, read_figures, run_model
+from pages import put_table
 
 HEAD = (
     "| model | faces | critical points | fewest levels | exact distance | levels | events | genus | shown "
     "| suppressed | hidden |",
     "| --- |" + " ---: |" * 10,
 )
-MARKS = "<!-- models begin -->\n", "<!-- models end -->"
 
 
 def main(arguments=None):
@@ -37,10 +36,7 @@ def main(arguments=None):
             print(f"{mesh.stem}: {reason}", flush=True)
     order = sorted(found, key=lambda name: (-found[name]["critical"], name))
     lines = [*HEAD, *(write_row(name, found[name]) for name in order)]
-    first, last = MARKS
-    text = options.page.read_text()
-    pattern = re.escape(first) + ".*?" + re.escape(last)
-    options.page.write_text(re.sub(pattern, lambda _: first + "\n".join(lines) + "\n" + last, text, flags=re.DOTALL))
+    put_table(options.page, "models", lines)
 
 
 def write_row(name, figures):

@@ -55,6 +55,6 @@ def test_comparison_runs_and_writes_its_page(benchmark, monkeypatch, tmp_path):
     page.draw_growth(tmp_path / "growth.svg", table)
     written = (tmp_path / "benchmarks.md").read_text()
     assert re.search(r"graphs begins -->\n.*\n.*\n\| upright, 12 bumps \| 600 \| \d+ \| 1 \|.* not installed", written)
-    # the table of faces that cross is that of measure_crossings
-    assert {*page.TABLES, "crossings"} == set(re.findall(r"<!-- ([\w ]+) begins -->", text))
+    # two tables are those of measure_crossings and measure_questions
+    assert {*page.TABLES, "crossings", "questions"} == set(re.findall(r"<!-- ([\w ]+) begins -->", text))
     assert (tmp_path / "growth.svg").stat().st_size > 10_000

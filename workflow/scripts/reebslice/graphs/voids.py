@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
+from ..kernels import njit
 from ..mesh.half_edges import find_twins
 from ..mesh.orders import canonical_faces
 from ..morse.height_mesh import HeightMesh, height_mesh
@@ -35,13 +36,45 @@ def void_mesh(mesh):
         Its solid is the void inside the box. Entries of `vertex` are those of `mesh`, or, for the eight corners
         of the box, larger. The box stands upright in the tilted frame.
     """
-    points, faces = box_in(mesh.points, mesh.faces)
-    vertex = np.append(mesh.vertex, mesh.vertex.max() + 1 + np.arange(8, dtype=np.int32))
-    n = len(mesh.points)
-    order = np.concatenate([np.arange(n, n + 4), np.arange(n), np.arange(n + 4, n + 8)])  # upward
-    rank = np.argsort(order, kind="stable")
-    faces = canonical_faces(faces, rank)
-    return HeightMesh(points[order], faces, find_twins(faces, len(points)), vertex[order])
+    corners, n = _box_around(mesh.points), len(mesh.points)
+    points = np.concatenate([corners[:4], mesh.points, corners[4:]])
+    faces, twins = _turn_inside_out(mesh.faces, mesh.twins)
+    # the lower corners come before all that is in the box and the upper ones behind it, and so do their faces
+    around = canonical_faces(_FACES, np.arange(8))
+    low = int(np.searchsorted(around[:, 0], 4))
+    own = find_twins(around, 8)
+    own[own >= 3 * low] += 3 * len(faces)
+    around[around >= 4] += n
+    faces = np.concatenate([around[:low], faces + np.int32(4), around[low:]])
+    twins = np.concatenate([own[: 3 * low], twins + np.int32(3 * low), own[3 * low :]])
+    box = mesh.vertex.max() + 1 + np.arange(8, dtype=np.int32)
+    return HeightMesh(points, faces, twins, np.concatenate([box[:4], mesh.vertex, box[4:]]))
+
+
+@njit
+def _turn_inside_out(faces, twins):
+    """Faces and twins of a mesh in order of height with every face wound the other way, in lexicographic order."""
+    m, first = len(faces), 0
+    place = np.arange(m)  # of each face in the new order: among those of one lowest corner by the last corner
+    while first < m:
+        end = first + 1
+        while end < m and faces[end, 0] == faces[first, 0]:
+            end += 1
+        if end - first > 24:
+            place[first + np.argsort(faces[first:end, 2])] = np.arange(first, end)
+        else:  # counting those before each is faster than sorting so few
+            for f in range(first, end):
+                place[f] = first
+                for g in range(first, end):
+                    place[f] += faces[g, 2] < faces[f, 2]
+        first = end
+    turned, across = np.empty_like(faces), np.empty_like(twins)
+    for f in range(m):
+        turned[place[f], 0], turned[place[f], 1], turned[place[f], 2] = faces[f, 0], faces[f, 2], faces[f, 1]
+        for k in range(3):
+            twin = twins[3 * f + k]
+            across[3 * place[f] + 2 - k] = 3 * place[twin // 3] + 2 - twin % 3
+    return turned, across
 
 
 def box_in(points, faces):
@@ -59,10 +92,14 @@ def box_in(points, faces):
         The corners of the box come last, in order of height, then x, then y.
     faces : (m + 12, 3) int
     """
+    return np.concatenate([points, _box_around(points)]), np.concatenate([faces[:, ::-1], _FACES + len(points)])
+
+
+def _box_around(points):
+    """The corners of an upright box of three times the size of some points and more, in order of height, (8, 3)."""
     low, high = (np.array([end(column) for column in points.T]) for end in (np.min, np.max))
     margin = (high - low).max()
-    box = low - margin + _CORNERS * (high - low + 2 * margin)
-    return np.concatenate([points, box]), np.concatenate([faces[:, ::-1], _FACES + len(points)])
+    return low - margin + _CORNERS * (high - low + 2 * margin)
 
 
 def void_reeb_graph(points: Any, faces: ArrayLike | None = None, rotation: ArrayLike | None = None) -> ExactGraph:
