@@ -98,6 +98,28 @@ print(sort_stably((np.array([1, 0]), 2)))
         run_python(broken)
 
 
+def test_processes_that_need_one_kernel_at_once_compile_it_once(tmp_path):
+    (tmp_path / "kernels_here.py").write_text("""
+from reebslice.kernels import njit
+@njit
+def fold(x):
+    return 1.0 if x < 1 else x * fold(x - 1)
+@njit
+def fold_twice(x):
+    return fold(x) + fold(x + 1)
+""")
+    script = f"""
+import sys
+sys.path.insert(0, {str(tmp_path)!r})
+import kernels_here
+print(kernels_here.fold_twice(3.0), sum(kernels_here.fold_twice.stats.cache_misses.values()))
+"""
+    folder = os.environ | {"PYTHONPATH": str(SCRIPTS), "NUMBA_CACHE_DIR": str(tmp_path / "compiled")}
+    command = [sys.executable, "-c", script]
+    runs = [subprocess.Popen(command, env=folder, stdout=subprocess.PIPE, text=True) for _ in range(3)]
+    assert sorted(run.communicate()[0].split() for run in runs) == [["30.0", "0"], ["30.0", "0"], ["30.0", "1"]]
+
+
 def with_value(array, place, value):
     array = np.array(array)
     array[place] = value

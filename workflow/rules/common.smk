@@ -254,6 +254,12 @@ def plan_progress():
         PROGRESS.plan(jobs, {batch: MEMBERS[batch] for batch in batches}, work)
 
 
+def tell_of_compiling():
+    """Say why a first run takes long."""
+    if not os.path.isdir(os.environ["NUMBA_CACHE_DIR"]):
+        logger.info("The first run compiles the library as it goes, which takes some minutes; later ones do not.")
+
+
 def keep_going():
     """Have a job that is killed stop nothing but what is behind it, as --keep-going does."""
     workflow.scheduler.keepgoing = True
