@@ -2,6 +2,7 @@
 # make test    the tests
 # make test-faults ROUNDS=300    runs that are killed, starved and meddled with, held against undisturbed ones
 # make check   the graphs in results/, held against their meshes by check.py (docs/theorem.md)
+# make docs    the documentation as pages for a browser, build/docs/index.html; its examples run, and any warning is an error
 # make lint    what holds of the text of the code: format, rules, types, imports between rooms
 # make test-slurm  the workflow through a SLURM that it brings up here and takes down again (root, Debian)
 # make tables  docs/tables.md, after a change of the schemas
@@ -20,7 +21,7 @@ VENV := .venv
 BIN := $(VENV)/bin
 READY := $(VENV)/.ready
 
-.PHONY: run test test-faults lint tables lock clean check audit fuzz test-slurm
+.PHONY: run test test-faults lint docs tables lock clean check audit fuzz test-slurm
 
 run: $(READY) data/meshes
 	$(BIN)/snakemake --cores $(CORES)
@@ -46,6 +47,10 @@ lint: $(READY) data/meshes
 	$(BIN)/python .ci/lint_workflow.py
 	$(BIN)/mypy
 	PYTHONPATH=workflow/scripts $(BIN)/lint-imports
+
+docs: $(READY)
+	$(BIN)/python -m sphinx --quiet --fail-on-warning --keep-going -b html docs build/docs
+	@echo "Documentation: $(CURDIR)/build/docs/index.html"
 
 # The environment follows the lock whenever that is newer.
 $(READY): requirements.lock

@@ -64,11 +64,11 @@ def test_conda_states_the_same():
     conda = {CONDA_NAMES.get(name, name): specifier for name, specifier in stated(lines).items()}
     assert conda.pop("python") == PROJECT["requires-python"]
     conda.pop("pip")
-    assert conda == stated(OF_RUNS + EXTRAS["test"])
+    assert conda == stated(OF_RUNS + EXTRAS["docs"] + EXTRAS["test"])
 
 
 def test_lock_pins_what_is_asked_for():
-    for line in OF_RUNS + EXTRAS["test"]:
+    for line in OF_RUNS + EXTRAS["docs"] + EXTRAS["test"]:
         requirement = Requirement(line)
         assert requirement.specifier.contains(pins()[canonical(requirement.name)]), line
 
