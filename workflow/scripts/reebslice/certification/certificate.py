@@ -10,7 +10,7 @@ import numpy as np
 import pyarrow as pa
 import shapely
 
-from .checks import arcs, critical_points, form, handles, links, regions, slices, surface
+from .checks import arcs, critical_points, form, handles, links, places, regions, slices, surface
 from .checks import graphs as graph_checks
 from .checks.graphs import doubts_void
 from .facts import Facts
@@ -36,6 +36,7 @@ STEPS = (
     handles.check_sides,
     links.check_nodes,
     links.check_edges,
+    places.check_places,
     arcs.check_arcs,
     graph_checks.check_graphs,
     graph_checks.check_identities,

@@ -112,6 +112,12 @@ class Facts:
     regions: Regions = UNKNOWN  # the R regions, from the curves as drawn
     similarity: np.ndarray = UNKNOWN  # of each edge
 
+    inside: np.ndarray = UNKNOWN  # (R,) bool, whether the material point lies in its region
+
+    # check_places: of the handles that are nodes of the solid's graph
+    spot_region: np.ndarray = UNKNOWN  # (H,) the region whose material point the node is, or -1
+    spots: np.ndarray = UNKNOWN  # (H, 3) where it lies, model frame
+
     # check_arcs
     parts: dict = UNKNOWN  # {graph: GraphParts} of solid and surface, and of the void if there is a graph of it
     void_events: list = UNKNOWN  # of each block of the void the handles that change it, or may do so

@@ -9,6 +9,7 @@ from .arc_routes import route_arcs
 
 SHOWN = ("solid", "solid_simplified", "surface", "surface_simplified")
 LARGEST = 3000  # nodes and arcs, beyond which a graph cannot be read and is left out
+ROUTED = 10 * LARGEST  # arcs of a full graph, beyond which simplified ones are not routed through it
 FIGURES = ("arc", "lower", "upper", "length", "volume", "area", "similarity_min", "inner")
 
 
@@ -24,8 +25,9 @@ class EmbeddedGraph(NamedTuple):
     arcs : list of dict
         Attributes of the arcs.
     spots : (K, 3) float64
-        Where the nodes are drawn, model frame: an end of the graph at its critical vertex; where arcs meet on
-        one side, at the last point of the one arc on the other, so that no arc is pulled to the vertex.
+        Where the nodes are drawn, model frame: of the solid's graph where they lie in the material; of the
+        surface's at their critical vertices, or, where arcs meet on one side, at the last point of the one arc on
+        the other, so that no arc is pulled to the vertex.
     paths : list of (k, 3) float64
         From the lower to the upper node.
     walls : list of list of int
@@ -63,13 +65,38 @@ def embed_graphs(graphs, arcs, material, centres):
         whole = name.split("_")[0]
         if len(graph.nodes) + len(graph.edges) > LARGEST:
             continue
-        points = material if whole == "solid" else centres
-        rows = {row["arc"]: row for row in arcs if row["graph"] == whole}
-        if name == whole:
-            embedded[name] = _embed_full(graph, rows, points)
-        elif len(rows) <= 10 * LARGEST:
-            embedded[name] = _embed_simplified(graph, rows, points)
+        own = [row for row in arcs if row["graph"] == whole]
+        if name == whole or len(own) <= ROUTED:
+            embedded[name] = embed_graph(name, graph, own, material if whole == "solid" else centres)
     return embedded
+
+
+def embed_graph(name, graph, arcs, points):
+    """Embed one graph, whatever its size.
+
+    Parameters
+    ----------
+    name : str
+        One of `SHOWN`.
+    graph : Graph
+    arcs : list of dict
+        Rows of the table `arcs` of the full graph.
+    points : (R, 3) or (C, 3) float64
+        Material points of regions, or centroids of contours, model frame.
+
+    Returns
+    -------
+    EmbeddedGraph
+        Arcs of a simplified graph are straight, and have nothing around them, where the full one has more than
+        `ROUTED` arcs.
+    """
+    rows = {row["arc"]: row for row in arcs}
+    if "_" not in name:
+        return _embed_full(graph, rows, points)
+    if len(rows) <= ROUTED:
+        return _embed_simplified(graph, rows, points)
+    nodes, ends, taken = _take_graph(graph)
+    return EmbeddedGraph(nodes, ends, taken, *_place(nodes, ends, [np.empty((0, 3))] * len(taken)), [[] for _ in taken])
 
 
 def _embed_full(graph, rows, points):
@@ -115,13 +142,31 @@ def _place(nodes, ends, inside):
     """Spots of the nodes and paths of the arcs, given the points (k, 3) inside each arc."""
     spots = np.array([[node[axis] for axis in "xyz"] for node in nodes], float).reshape(-1, 3)
     degree = [np.bincount(ends[:, side], minlength=len(nodes)) for side in (1, 0)]  # arcs below, above
-    for (low, high), points in zip(ends.tolist(), inside):
+    in_material = any("region" in node for node in nodes)
+    for (low, high), points in zip(ends.tolist(), inside if not in_material else ()):
         if len(points) and degree[1][low] == 1 and degree[0][low] > 0:
             spots[low] = points[0]
         if len(points) and degree[0][high] == 1 and degree[1][high] > 1:
             spots[high] = points[-1]
     paths = [np.vstack([spots[i : i + 1], points, spots[j : j + 1]]) for (i, j), points in zip(ends.tolist(), inside)]
     return spots, paths
+
+
+def find_vertices(nodes):
+    """Find the critical vertices of nodes.
+
+    Parameters
+    ----------
+    nodes : list of dict
+        Attributes as GraphML has them.
+
+    Returns
+    -------
+    (K, 3) float64
+        Model frame; where a node has none, the node itself.
+    """
+    places = [[node.get(f"vertex_{axis}", node[axis]) for axis in "xyz"] for node in nodes]
+    return np.array(places, float).reshape(-1, 3)
 
 
 def _take_graph(graph):

@@ -76,7 +76,7 @@ function tell({ kind, number }) {
       ["height", figure(node.height)],
     ];
     if (node.n_handles > 1) rows.push(["stands for", `${node.n_handles} events`]);
-    rows.push(["vertex", `${node.x} ${node.y} ${node.z}`]);
+    rows.push(["vertex", vertexOf(node)]);
     return [`Node ${node.handle}: ${node.operation || "several events"}`, rows];
   }
   if (kind === "loop") {
@@ -129,12 +129,17 @@ function light(what) {
 /** Light what is pointed at, or, where nothing is, what was kept. */
 const point = (what) => light(what ?? state.kept);
 
+/** The critical vertex of a node, which of the solid's graph lies in the material, apart from it. */
+function vertexOf(node) {
+  return [node.vertex_x ?? node.x, node.vertex_y ?? node.y, node.vertex_z ?? node.z].join(" ");
+}
+
 /** Keep what was clicked lit; copy the vertex of a node. */
 function keep(what, place) {
   state.kept = what;
   light(what);
   const node = what?.kind === "node" ? graphOf(state.graph).nodes[what.number] : null;
-  if (node) copy(`${node.x} ${node.y} ${node.z}`, "Vertex");
+  if (node) copy(vertexOf(node), "Vertex");
   else if (place) copy(place, "Point on the surface");
 }
 

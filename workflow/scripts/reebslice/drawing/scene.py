@@ -12,6 +12,7 @@ from ..formats.glb import LINES, POINTS, TRIANGLES, Part
 from .canvas import rgb
 from .display_curves import list_segments, simplify_curves
 from .display_mesh import reduce_faces, split_by_label
+from .embedded_graphs import find_vertices
 from .loops import INKS as LOOP_INKS
 from .marks import INK, MARKS, SOFT
 from .pockets import INKS as POCKET_INKS
@@ -140,7 +141,7 @@ def _graph_parts(name, graph):
         points, lines = np.concatenate(paths), list_segments(arc).ravel()
         parts.append(Part(f"{name} arcs", LINES, points, lines, {"arc": arc}, _rgba(INK), {"arcs": rows}))
     if graph.nodes:
-        vertices = np.array([[node[axis] for axis in "xyz"] for node in graph.nodes], float)
+        vertices = find_vertices(graph.nodes)
         number = np.arange(len(vertices))
         colour = _rgba(MARKS["union"][1])
         parts.append(

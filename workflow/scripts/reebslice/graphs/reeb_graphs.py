@@ -8,7 +8,10 @@ from ..arrays.components import connected_items
 from ..formats.graphml import Graph
 from .simplification import simplify_graph
 
-JOINT_COLUMNS = ("handle", "x", "y", "z", "height", "index", "side", "operation", "change", "branches", "n_handles")
+JOINT_COLUMNS = (
+    *("handle", "x", "y", "z", "height", "index", "side", "operation", "change", "branches", "n_handles"),
+    *("region", "vertex_x", "vertex_y", "vertex_z"),  # of the solid's nodes alone
+)
 POINT_COLUMNS = ("node", "level", "region", "x", "y", "z", "height", "critical", "area", "inscribed_radius", "n_holes")
 
 

@@ -16,6 +16,7 @@ from ..table_checks import build_table
 from .arcs import arc_columns, bounding_arcs, trace_arcs
 from .parts import linked_parts, solid_parts, surface_parts
 from .reeb_graphs import augmented_graph, reeb_graph, simplified_graph
+from .solid_nodes import embed_joints
 from .void_graph import void_arcs
 
 METHODS = ("exact", "similarity", "proximity")
@@ -89,11 +90,11 @@ def synthesize(contours, curves, pieces, handles, nodes, rotation, feature_size,
         surface = linked_parts(contours["level"].to_numpy(), link_contours(contours, curves, link))
         rows, held = {}, [Counter(), Counter()]
     solid_joints = joint_rows(solid, material, nodes["height"].to_numpy(), rows, held[0])
+    solid_joints = embed_joints(solid, solid_joints, material, nodes["inscribed_radius"].to_numpy())
     surface_joints = joint_rows(surface, centres, contours["height"].to_numpy(), rows, held[1])
     edges = edges_table(pairs, truth, solid, solid_joints, outlines, region_levels(contours), method)
-    similarity = dict(
-        zip(zip(edges["source"].to_pylist(), edges["target"].to_pylist()), edges["similarity"].to_pylist())
-    )
+    ends = zip(edges["source"].to_pylist(), edges["target"].to_pylist())
+    similarity = dict(zip(ends, edges["similarity"].to_pylist()))
     traced, inner = (trace_arcs(solid), trace_arcs(surface)), contours["inner"].to_pylist()
     bounds = bounding_arcs(solid, *traced, contours["region"].to_pylist(), inner)
     solid_arcs = arc_columns(traced[0], "solid", solid_joints, material, similarity, bounds[0])

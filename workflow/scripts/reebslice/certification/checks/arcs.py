@@ -75,14 +75,14 @@ def extend_ends(column):
 
 
 def _path_lengths(facts, graph, keys):
-    """Lengths of the paths from the lower event of each arc along its points to the upper one; NaN for the outside."""
+    """Lengths of the paths from the lower node of each arc along its points to the upper one; NaN for the outside."""
     nodes, contours = facts.columns.nodes, facts.columns.contours
     if graph == "solid":
         points = np.stack([nodes[k] for k in "xyz"], axis=1)
     else:
         points = np.column_stack([facts.centres, contours["height"]]) @ facts.rotation
     vertex, lengths = extend_ends(facts.columns.handles["vertex"]), []
-    spots = np.stack([column[vertex] for column in facts.points], axis=-1)
+    spots = facts.spots if graph == "solid" else np.stack([column[vertex] for column in facts.points], axis=-1)
     for source, target, items in keys:
         items = list(_name_items(facts, graph, items))
         path = np.concatenate([spots[[source]], points[items].reshape(-1, 3), spots[[target]]])

@@ -77,6 +77,8 @@ def _check_nodes(facts, ledger, graph):
     handles = _rows(facts.columns.handles, HANDLE_COLUMNS)
     counts = _count_handles(facts, {"augmented": "solid"}.get(graph, graph))
     expected = {f"h{h}": handles[h] | {"n_handles": count} for h, count in counts.items() if h >= 0}
+    if graph in ("solid", "augmented"):
+        expected = {name: data | _place(facts, data) for name, data in expected.items()}
     if graph == "void":
         expected = {name: data | {"branches": None} for name, data in expected.items()}
         for number, end in ((-1, handles[0]), (-2, handles[-1])):  # at the lowest and the highest vertex
@@ -90,6 +92,15 @@ def _check_nodes(facts, ledger, graph):
     ledger.enter(f"{graph}.nodes", sorted(stated) == sorted(expected), True)
     same = [name in expected and _hold(data, expected[name]) for name, data in stated.items()]
     ledger.rows(f"{graph}.node_attributes", same, "the columns of the handle or node, and how many handles it counts")
+
+
+def _place(facts, handle):
+    """Where the node of a handle lies in the solid's graph, and its vertex; handle : a row of `handles`."""
+    region = int(facts.spot_region[handle["handle"]])
+    vertex = {f"vertex_{axis}": handle[axis] for axis in "xyz"}
+    return (
+        dict(zip("xyz", facts.spots[handle["handle"]].tolist())) | vertex | {"region": region if region >= 0 else None}
+    )
 
 
 def _count_handles(facts, graph):

@@ -64,7 +64,8 @@ def _check_material(facts, ledger, t):
     ledger.rows("nodes.position", flat, "the point is in the plane of its level")
     # the outline is without holes that are mere points or lines
     inside, clearance, edge = look_around(facts.regions, points[:, :2])
-    ledger.rows("nodes.inside", inside | (clearance <= facts.noise), "the point is inside its region")
+    facts.inside = inside | (clearance <= facts.noise)
+    ledger.rows("nodes.inside", facts.inside, "the point is inside its region")
     room = 1e-9 * clearance + facts.noise
     fits = [np.abs(t["inscribed_radius"] - np.where(inside, d, 0.0)) <= room for d in (clearance, edge)]
     ledger.rows("nodes.inscribed_radius", fits[0] | fits[1], "distance of the point to the region's contours")
