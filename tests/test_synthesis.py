@@ -15,8 +15,9 @@ from reebslice.errors import ReebsliceError
 from reebslice.formats.graphml import Graph, graphml_text
 from reebslice.formats.wkb import pack_curves, unpack_curves
 from reebslice.graphs.arcs import trace_arcs
-from reebslice.graphs.nodes import inscribed_points, steady_points
+from reebslice.graphs.nodes import inscribed_points
 from reebslice.graphs.parts import GraphParts, linked_parts
+from reebslice.graphs.smooth_paths import STEADY, smooth_points, walk_steadily
 from reebslice.links.similarity import boolean_similarity, link_by_proximity, link_by_similarity
 from reebslice.planar.circles import largest_circles
 from reebslice.planar.curves import curve_centres
@@ -62,6 +63,11 @@ def test_circles_are_as_large_as_those_of_a_general_search():
     assert signed[some] == pytest.approx((sign * distance)[some])
 
 
+def steady_points(shapes, points, radius, neighbour):
+    """The walk upward through regions."""
+    return walk_steadily((shapes.points, shapes.ring, shapes.start), points, radius, neighbour, np.arange(len(points)))
+
+
 def test_steady_points_stay_where_the_circle_is_as_large():
     shapes = find_outlines([box(0, 0, 10), box(0, 0, 10), box(0, 0, 3)])
     points = np.array([[2.0, 0.5], [8.0, 0.5], [1.0, 0.5]])
@@ -89,6 +95,48 @@ def test_steady_points_start_from_a_region_without_room(tmp_path):
     shapes = find_outlines([shapely.Polygon(), box(0, 0, 2)])
     points = np.array([[0.5, 0.5], [1.5, 0.5]])
     assert steady_points(shapes, points, np.array([0.0, 0.5]), np.array([-1, 0]))[:, 0].tolist() == [0.5, 0.5]
+
+
+def chain(count):
+    """Regions below and above each block of a chain of regions."""
+    return [[], *([k] for k in range(count))], [*([k] for k in range(count)), []]
+
+
+def path_length(points, height):
+    return np.linalg.norm(np.diff(np.column_stack([points, height]), axis=0), axis=1).sum()
+
+
+def test_paths_are_straight_where_they_can_be():
+    # in a leaning bar all largest circles lie on ridges, and the search finds any of them
+    height = np.linspace(0, 10, 41)
+    shapes = find_outlines([box(0.3 * h, 0, 6, 2) for h in height])
+    centre, radius = inscribed_points(shapes)
+    points = smooth_points(shapes, centre, radius, height, *chain(len(height)))
+    assert (clearances(shapes, points) >= STEADY * radius).all()
+    straight = path_length(points[[0, -1]], height[[0, -1]])
+    assert path_length(points, height) < 1.002 * straight
+    walked = steady_points(shapes, centre, radius, np.arange(-1, len(height) - 1))
+    assert path_length(walked, height) > 1.01 * path_length(points, height)
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_paths_are_no_longer_than_walks_up_or_down_or_through_the_centres(seed):
+    random = np.random.default_rng(seed)
+    height = np.cumsum(random.uniform(0.01, 0.3, 60))
+    steps = np.cumsum(random.normal(0, 0.2, (60, 2)), axis=0)
+    blobs = [
+        shapely.LineString([(x, y), (x + 2, y + 1)]).buffer(w) for (x, y), w in zip(steps, random.uniform(0.4, 1, 60))
+    ]
+    shapes = find_outlines(blobs)
+    centre, radius = inscribed_points(shapes)
+    points = smooth_points(shapes, centre, radius, height, *chain(60))
+    assert (clearances(shapes, points) >= STEADY * radius).all()
+    rings, here = (shapes.points, shapes.ring, shapes.start), np.arange(60)
+    walks = [walk_steadily(rings, centre, radius, here - 1, here)]
+    walks.append(walk_steadily(rings, centre, radius, np.append(here[1:], -1), here[::-1]))
+    assert path_length(points, height) <= min(path_length(other, height) for other in (*walks, centre)) + 1e-9
+    again = smooth_points(shapes, centre, radius, height, *chain(60))
+    assert np.array_equal(points, again)
 
 
 def test_shared_areas_are_those_of_overlays():

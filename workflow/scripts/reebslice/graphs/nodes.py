@@ -3,21 +3,15 @@
 import numpy as np
 import shapely
 
-from ..kernels import njit
 from ..planar.circles import largest_circles
-from ..planar.distances import clearances, nearest_point
+from ..planar.distances import clearances
 from ..planar.outlines import measure_outlines, outline_polygons
 from ..slicing.tables import block_regions, region_levels, region_outlines
 from ..table_checks import build_table
+from .smooth_paths import smooth_points
 
 SAMPLERS = ("inscribed", "representative", "centroid")
 
-# The point of the level below, or the best one near it, is taken while the
-# circle around it has at least this share of the largest radius, so that paths
-# do not jump about in regions where many circles are nearly largest.
-STEADY = 0.9
-# Steps of the search for that best one, each at most half as long as a radius.
-STEPS = 8
 # Of the search for the largest circle, whose time grows as its inverse.
 PRECISION = 0.05
 
@@ -35,10 +29,10 @@ def sample_nodes(contours, curves, pieces, levels, rotation, sampler="inscribed"
     rotation : (3, 3) float64
         From the model frame to the tilted frame.
     sampler : {"inscribed", "representative", "centroid"}
-        The centre of the largest inscribed circle, which leads along the medial
-        axis, or a point near the one below where its circle is nearly as large;
-        some point inside; the centre of area, or some point inside where that is
-        outside.
+        Centres of circles nearly as large as any in their regions, which lead
+        along the medial axis, chosen together so that paths are short
+        (:mod:`.smooth_paths`); some point inside; the centre of area, or some
+        point inside where that is outside.
 
     Returns
     -------
@@ -48,13 +42,14 @@ def sample_nodes(contours, curves, pieces, levels, rotation, sampler="inscribed"
     """
     outlines, level = region_outlines(contours, curves), region_levels(contours)
     count = len(level)
+    height, spare = levels["height"].to_numpy()[level], _first_points(contours, curves, count)
     if sampler == "inscribed":
-        below = single_predecessors(contours, pieces, count)
-        points = steady_points(outlines, *inscribed_points(outlines), below)
+        points, radius = inscribed_points(outlines)
+        points = np.where(np.isnan(points), spare, points)
+        points = smooth_points(outlines, points, radius, height, *block_regions(pieces, contours))
     else:
         points = points_inside(outline_polygons(outlines), sampler)
-    points = np.where(np.isnan(points), _first_points(contours, curves, count), points)
-    height = levels["height"].to_numpy()[level]
+        points = np.where(np.isnan(points), spare, points)
     tilted = np.column_stack([points, height])
     return build_table(
         "nodes",
@@ -114,83 +109,6 @@ def inscribed_points(outlines):
     area, length, extent = measure_outlines(outlines)
     scale = np.divide(2 * area, length, out=np.zeros_like(area), where=length > 0)
     return largest_circles(outlines, np.maximum(PRECISION * scale, 1e-6 * extent))
-
-
-def steady_points(outlines, points, radius, predecessor):
-    """Move points to the one below, or near it, where a circle there is nearly as large.
-
-    Parameters
-    ----------
-    outlines : Outlines
-        Of R regions, in ascending order of level.
-    points, radius : (R, 2), (R,) float64
-        Centres and radii of their largest circles.
-    predecessor : (R,) int32
-        The only region below in the same block, or -1.
-
-    Returns
-    -------
-    (R, 2) float64
-        Whose clearance is at least `STEADY` times the largest, or the centre.
-    """
-    return _steady_points(outlines.points, outlines.ring, outlines.start, points, radius, predecessor)
-
-
-@njit
-def _steady_points(outline, ring, start, points, radius, predecessor):
-    """As :func:`steady_points`, over the arrays of the outlines."""
-    points = points.copy()
-    for r in range(len(points)):
-        if predecessor[r] >= 0 and radius[r] > 0.0:
-            x, y = points[predecessor[r]]
-            x, y, gain = _climb(outline, ring, start[r], start[r + 1], x, y, radius[r])
-            if gain >= STEADY * radius[r]:
-                points[r, 0], points[r, 1] = x, y
-    return points
-
-
-@njit
-def _climb(outline, ring, first, end, x, y, radius):
-    """Walk away from the outline until the clearance is no less than STEADY x radius, or STEPS are done.
-
-    Returns x, y and the clearance there. The walk stays near where it
-    starts: in a ring it goes across, not around.
-    """
-    stride = 0.5 * radius
-    gain, foot_x, foot_y = nearest_point(outline, ring, first, end, x, y)
-    for _ in range(STEPS):
-        length = np.hypot(x - foot_x, y - foot_y)
-        if gain >= STEADY * radius or length == 0.0:
-            break
-        step = stride / length if gain >= 0.0 else -stride / length
-        tried_x, tried_y = x + step * (x - foot_x), y + step * (y - foot_y)
-        better, new_x, new_y = nearest_point(outline, ring, first, end, tried_x, tried_y)
-        if better > gain:
-            x, y, gain, foot_x, foot_y = tried_x, tried_y, better, new_x, new_y
-        else:
-            stride /= 2
-    return x, y, gain
-
-
-def single_predecessors(contours, pieces, count):
-    """Find the regions that are alone below others in their block.
-
-    Parameters
-    ----------
-    contours, pieces : pyarrow.Table
-    count : int
-        Number R of regions.
-
-    Returns
-    -------
-    (R,) int32
-        The one region below each region in its block, -1 if there is none or more.
-    """
-    found = np.full(count, -1, np.int32)
-    for below, above in zip(*block_regions(pieces, contours)):
-        if len(below) == 1:
-            found[above] = below[0]
-    return found
 
 
 def critical_regions(contours, pieces, count):
