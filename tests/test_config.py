@@ -26,7 +26,8 @@ ROOT = Path(__file__).parent.parent
 SCHEMA = yaml.safe_load((ROOT / "workflow" / "schemas" / "config.schema.yaml").read_text())
 SECTIONS = pipeline.STAGES | {
     "certify": "levels", "draw": "draw", "view": "view", "find_pockets": "pockets", "find_loops": "loops",
-    "cut_pockets": "draw", "draw_loops": "draw", "label_faces": "faces", "colour_faces": "colours",
+    "cut_pockets": "draw", "draw_loops": "draw", "draw_figures": "draw", "label_faces": "faces",
+    "colour_faces": "colours",
     "decompose_solid": "parts", "compare_links": "compare", "rate_directions": "directions",
 }  # fmt: skip
 SHIPPED = yaml.safe_load((ROOT / "config" / "config.yaml").read_text())

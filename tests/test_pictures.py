@@ -21,9 +21,10 @@ from reebslice.drawing.layout import place_graph, trace_arc
 from reebslice.drawing.marks import MARKS
 from reebslice.drawing.model import read_graph
 from reebslice.drawing.normals import corner_normals, find_vertex_normals
-from reebslice.drawing.picture import Body, Title, draw_model
+from reebslice.drawing.picture import Body, draw_model
 from reebslice.drawing.rasters import rasterize_mesh, widest_azimuth
 from reebslice.drawing.shading import shade_layers
+from reebslice.drawing.titles import Title
 from reebslice.drawing.views import fit_view, project_points, view_axes
 from reebslice.formats.graphml import Graph
 

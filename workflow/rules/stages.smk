@@ -5,6 +5,9 @@
 # Options go to the stages that use them, so a changed key reaches those and the
 # ones behind, and no other; so do those of single models, from the sheet.
 
+# From where all pictures are seen.
+VIEW = {key: config["draw"][key] for key in ("width", "azimuth", "elevation")}
+
 
 # Reads the mesh, makes it a closed oriented surface or rejects it with a reason.
 # Writes inspection.json and the surface: vertices, faces, shells.
@@ -169,6 +172,27 @@ rule certify:
         "../scripts/certify.py"
 
 
+# Draws every model as in the paper, each figure as SVG and PDF.
+rule draw_figures:
+    input:
+        status="results/status/certify/{batch}.parquet",
+    output:
+        status="results/status/draw_figures/{batch}.parquet",
+    log:
+        "results/logs/draw_figures/{batch}.log",
+    benchmark:
+        "results/benchmarks/draw_figures/{batch}.tsv"
+    priority: priority_at("draw_figures")
+    resources:
+        mem_mb=memory_of,
+        runtime=runtime_of,
+    params:
+        options=VIEW | {"graph": config["draw"]["graph"]},
+        code=CODE["draw_figures"],
+    script:
+        "../scripts/draw_figures.py"
+
+
 # Finds where liquid stays, where air is caught, and what begins in the air, in the direction of height.
 # Writes pockets and islands; aside of the stages above, which do not wait for it.
 rule find_pockets:
@@ -206,7 +230,7 @@ rule cut_pockets:
         mem_mb=memory_of,
         runtime=runtime_of,
     params:
-        options=config["draw"],
+        options=VIEW,
         code=CODE["cut_pockets"],
     script:
         "../scripts/cut_pockets.py"
@@ -249,7 +273,7 @@ rule draw_loops:
         mem_mb=memory_of,
         runtime=runtime_of,
     params:
-        options=config["draw"],
+        options=VIEW,
         code=CODE["draw_loops"],
     script:
         "../scripts/draw_loops.py"
@@ -333,7 +357,7 @@ rule draw:
         mem_mb=memory_of,
         runtime=runtime_of,
     params:
-        options=config["draw"],
+        options=VIEW | {"graph": config["draw"]["graph"]},
         code=CODE["draw"],
     script:
         "../scripts/draw.py"

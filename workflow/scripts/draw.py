@@ -1,4 +1,4 @@
-"""Draw every model's still picture: its solid Reeb graph in the body, and flat by height.
+"""Draw every model's still picture: its Reeb graph in the body, and flat by height.
 
 After figure 6 of Pareja-Corcho et al. (see reebslice.drawing.picture). The bytes of
 the picture depend on the results alone: no dates, no program versions.
@@ -9,26 +9,53 @@ import numpy as np
 from corpus.stages import run_batch
 from corpus.storage import read_blocks, read_json, read_table
 from reebslice.drawing.canvas import encode_png
-from reebslice.drawing.model import list_facts, pick_curves, read_graph, stack_columns, trace_solid_arcs
-from reebslice.drawing.picture import Body, Title, draw_model
+from reebslice.drawing.model import (
+    choose_graph,
+    describe_graph,
+    list_facts,
+    pick_curves,
+    place_arcs,
+    read_graph,
+    stack_columns,
+)
+from reebslice.drawing.picture import Body, draw_model
+from reebslice.drawing.titles import Title
+from reebslice.slicing.tables import contour_curves
 
 OUTPUTS = ("picture.png",)
+TABLES = ("vertices", "faces", "levels", "contours", "arcs", "nodes")
 
 
 def main(source, target, options):
-    """Write `picture.png` of the model in the folder `source` into `target`."""
+    """Write `picture.png` of the model in the folder `source` into `target`.
+
+    options : width, azimuth, elevation and graph of `draw`.
+    """
+    (target / "picture.png").write_bytes(encode_png(draw_model(*read_model(source, options["graph"]), options)))
+
+
+def read_model(source, wish):
+    """Read what a picture shows of the model in the folder `source`: title, body, graph and paths of its arcs."""
     rotation = np.array(read_json(source / "tilt.json")["rotation"], float)
-    certificate = read_json(source / "certificate.json")
-    vertices, faces, levels, contours, arcs, material = (
-        read_table(source / f"{name}.parquet", name, without=("geometry", "shell"))
-        for name in ("vertices", "faces", "levels", "contours", "arcs", "nodes")
+    certificate, unit = read_json(source / "certificate.json"), read_json(source / "inspection.json").get("unit")
+    tables = {name: read_table(source / f"{name}.parquet", name, without=("geometry", "shell")) for name in TABLES}
+    faces, levels, contours = (tables[name] for name in ("faces", "levels", "contours"))
+    solid = read_graph(source / "solid.graphml")
+    name = choose_graph(wish, len(solid.nodes))
+    graph = solid if name == "solid" else read_graph(source / f"{name}.graphml")
+    said = describe_graph(name, len(graph.nodes), len(solid.nodes), certificate.get("feature_size"), unit)
+    title = Title(
+        source.name, list_facts(certificate, faces.num_rows, levels.num_rows), certificate["verdict"], said, unit
     )
-    geometry = read_blocks(source / "contours.parquet", "contours", "geometry")
-    title = Title(source.name, list_facts(certificate, faces.num_rows, levels.num_rows), certificate["verdict"])
-    points = stack_columns(vertices, "xyz") @ rotation.T
-    body = Body(points, stack_columns(faces, "abc"), rotation, pick_curves(levels, contours, geometry))
-    image = draw_model(title, body, read_graph(source / "solid.graphml"), trace_solid_arcs(arcs, material), options)
-    (target / "picture.png").write_bytes(encode_png(image))
+    curves = pick_curves(levels, contours, read_geometry(source))
+    body = Body(stack_columns(tables["vertices"], "xyz") @ rotation.T, stack_columns(faces, "abc"), rotation, curves)
+    placed = place_arcs(name, graph, tables, lambda: contour_curves(contours, read_geometry(source)), rotation)
+    return title, body, *placed
+
+
+def read_geometry(source):
+    """Read the curves of the contours of the model in the folder `source`, in blocks."""
+    return read_blocks(source / "contours.parquet", "contours", "geometry")
 
 
 if "snakemake" in globals():

@@ -17,6 +17,7 @@ BEFORE = {
     "certify": "synthesize_edges",
     "draw": "certify",
     "view": "certify",
+    "draw_figures": "certify",
     "find_pockets": "classify_handles",
     "find_loops": "classify_handles",
     "cut_pockets": "find_pockets",
@@ -33,6 +34,7 @@ STAGES = tuple(stage for stage in BEFORE if stage not in ASKED_FOR)
 # Of these, those that a key in a group of the configuration switches off.
 SIDE_STAGES = {
     "view": ("view", "pages"),
+    "draw_figures": ("draw", "figures"),
     "find_pockets": ("pockets", "find"),
     "find_loops": ("loops", "find"),
     "cut_pockets": ("pockets", "cut"),

@@ -203,7 +203,13 @@ SCHEMAS = {
         ("z", REAL, "Third coordinate.", ("unit", "mesh")),
         ("critical", FLAG, "Whether an event happens in the block above or below."),
         ("area", REAL, "Area of the region.", ("unit", "mesh^2")),
-        ("inscribed_radius", REAL, "Distance from the point to the boundary of the region.", ("unit", "mesh")),
+        (
+            "inscribed_radius",
+            REAL,
+            "Distance from the point to the boundary of the region; with `sampler: inscribed` at least 0.9 of the largest "
+            "that was found.",
+            ("unit", "mesh"),
+        ),
         ("n_holes", INT, "Holes of the region."),
     ),
     "edges": table(
@@ -240,7 +246,8 @@ SCHEMAS = {
         (
             "length",
             REAL,
-            "Length of the path through its nodes; null for the outside.",
+            "Length of the path through its nodes, of the solid between material points at its ends, of the others "
+            "between vertices; null for the outside.",
             ("unit", "mesh"),
             ("null", True),
         ),

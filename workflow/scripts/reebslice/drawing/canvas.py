@@ -21,13 +21,15 @@ from ..kernels import njit
 class Canvas(NamedTuple):
     """A picture `image` (height, width, 3) of bytes, drawn on in place; `unit`: pixels in a point.
 
-    `cover` (height, width) and `touched` are room for strokes to be drawn.
+    `cover` (height, width) and `touched` are room for strokes to be drawn. Where `strokes` is a list, lines, marks and
+    words are appended to it, as (what, arguments), and not drawn, for :mod:`.vectors`.
     """
 
     image: np.ndarray
     unit: float
     cover: np.ndarray
     touched: np.ndarray
+    strokes: list | None = None
 
 
 class Words(NamedTuple):
@@ -66,7 +68,9 @@ def draw_lines(canvas, lines, colours, widths, opacity=1.0):
 def draw_segments(canvas, groups, colours, widths, opacity=1.0):
     """As :func:`draw_lines`, of groups (k, 4) of segments; where those of a group overlap, they are drawn once."""
     count = len(groups)
-    if count:
+    if count and canvas.strokes is not None:
+        canvas.strokes.append(("segments", (groups, colours, widths, opacity)))
+    elif count:
         starts = np.concatenate([[0], np.cumsum([len(group) for group in groups])])
         radii = np.broadcast_to(np.asarray(widths, float) * canvas.unit / 2, count)
         inks = np.broadcast_to(np.asarray(colours, float), (count, 3))
@@ -117,6 +121,9 @@ def draw_marks(canvas, places, shape, size, edge, edge_width, face=None):
     shape : "o", "^", "v", "D" or "s"; size : points across; edge, face : bytes
     (3,), a mark without a face is a mere outline; edge_width : points.
     """
+    if canvas.strokes is not None:
+        canvas.strokes.append(("marks", (places, shape, size, edge, edge_width, face)))
+        return
     sides = SIDES[shape] * [1, 1, size * canvas.unit / 2]
     places = np.asarray(places, float).reshape(-1, 2)
     fill, hollow = (edge, True) if face is None else (face, False)
@@ -161,6 +168,9 @@ def _mark(image, places, sides, edge, face, half, hollow):
 
 def write_words(canvas, words):
     """Write all `words`, :class:`Words`."""
+    if canvas.strokes is not None:
+        canvas.strokes.append(("words", words))
+        return
     picture = Image.fromarray(canvas.image)
     pen = ImageDraw.Draw(picture)
     for line in words:

@@ -1,4 +1,4 @@
-"""The drawing of a graph by height: every node at its height, arcs side by side."""
+"""The drawing of a graph by height, or by the order of heights: arcs side by side."""
 
 from typing import NamedTuple
 
@@ -7,6 +7,8 @@ import numpy as np
 from .canvas import Words, draw_lines, rgb
 from .layout import place_graph, trace_arc
 from .marks import CASED, INK, SOFT, draw_nodes, mark_size
+
+SHARE = 0.5  # of the steps from event to event that are too small for marks, beyond which the order is drawn
 
 
 class Panel(NamedTuple):
@@ -20,6 +22,9 @@ class Panel(NamedTuple):
 
 def draw_flat(canvas, panel, marks, seen, ends):
     """Draw a graph by height, lanes ordered as in the body where nothing else decides.
+
+    Where most events are nearer to the next than their marks are high, as in
+    flat parts, they are drawn one above the other in their order instead.
 
     Parameters
     ----------
@@ -40,10 +45,13 @@ def draw_flat(canvas, panel, marks, seen, ends):
     words : list of Words
         Those of the axis.
     """
-    heights = np.array([mark["height"] for mark in marks], float)
+    told = np.array([mark["height"] for mark in marks], float)
+    size = mark_size(len(marks))
+    in_order = is_crowded(told, size * canvas.unit / panel.height)
+    heights = np.unique(told, return_inverse=True)[1].astype(float) if in_order else told
     extent = float(np.ptp(heights)) if len(heights) else 0.0
     extent, low = extent if extent > 0 else 1.0, heights.min() if len(heights) else 0.0
-    layout = place_graph(heights, ends[:, 0], ends[:, 1], seen[:, 0], mark_size(len(marks)) / 660 * extent)
+    layout = place_graph(heights, ends[:, 0], ends[:, 1], seen[:, 0], size / 660 * extent)
     across = np.concatenate([layout.nodes, layout.lanes, [0.0]][: 2 if len(marks) else 3])
     middle, half = (across.min() + across.max()) / 2, max(np.ptp(across) * 0.54, 1.6)
     origin = np.array([panel.left + panel.width / 2, panel.top + panel.height * 1.04 / 1.08])
@@ -52,7 +60,9 @@ def draw_flat(canvas, panel, marks, seen, ends):
     def place(points):
         return origin + (points - [middle, low]) * scale
 
-    labels = _draw_axis(canvas, panel, low, extent, place)
+    values, texts = list_ranks(told) if in_order else list_ticks(low - 0.04 * extent, low + 1.04 * extent)
+    title = "height, evenly from event to event" if in_order else "height"
+    labels = _draw_axis(canvas, panel, place, values, (title, *texts))
     spots = np.column_stack([layout.nodes, heights])
     arcs = zip(ends, layout.lanes, strict=True)
     lines = [place(trace_arc(spots[i], spots[j], lane, 0.03 * extent)) for (i, j), lane in arcs]
@@ -62,16 +72,58 @@ def draw_flat(canvas, panel, marks, seen, ends):
     return place(spots), labels
 
 
-def _draw_axis(canvas, panel, low, extent, place):
-    """The axis of heights on the left of the panel, and a grid; returns its words."""
-    values, texts = list_ticks(low - 0.04 * extent, low + 1.04 * extent)
+def is_crowded(heights, step):
+    """Tell whether most events are too near to the next to be told apart by their heights.
+
+    Parameters
+    ----------
+    heights : (n,) float64
+    step : float
+        How high a mark is, as a part of the range of heights.
+
+    Returns
+    -------
+    bool
+        False of fewer than four heights.
+    """
+    found = np.unique(heights)
+    return len(found) > 3 and float(np.mean(np.diff(found) < step * np.ptp(found))) > SHARE
+
+
+def list_ranks(heights, most=10):
+    """Choose heights for an axis on which they are one above the other, evenly.
+
+    Parameters
+    ----------
+    heights : (n,) float64
+    most : int
+
+    Returns
+    -------
+    values : (k,) float64
+        At most `most` places in the order of different heights, the lowest and the highest among them.
+    texts : list of str
+        The heights there.
+    """
+    found = np.unique(heights)
+    values = np.unique(np.linspace(0, len(found) - 1, min(most, len(found))).round())
+    return values, [f"{found[int(value)]:.5g}".replace("-", "\u2212") for value in values]
+
+
+def _draw_axis(canvas, panel, place, values, words):
+    """The axis of heights on the left of the panel, and a grid; returns its words.
+
+    words : its title, then a text for each of the values.
+    """
+    title, *texts = words
     rows = np.floor(place(np.column_stack([np.zeros(len(values)), values]))[:, 1]) + 0.5
     left, tick, gap = np.floor(panel.left) + 0.5, 3 * canvas.unit, 6 * canvas.unit
     draw_lines(canvas, [np.array([[left, row], [left + panel.width, row]]) for row in rows], rgb("#E8EBEE"), 0.6)
     ticks = [np.array([[left - tick, row], [left, row]]) for row in rows]
     draw_lines(canvas, [np.array([[left, panel.top], [left, panel.top + panel.height]]), *ticks], rgb(SOFT), 0.8)
     labels = [Words(text, (left - gap, row), 8, SOFT, "rm") for text, row in zip(texts, rows, strict=True)]
-    return labels + [Words("height", (left - gap, panel.top - 1.5 * gap), 9, SOFT, "rm")]
+    anchor, start = ("rm", left - gap) if len(title) < 8 else ("lm", left - 5 * gap)
+    return labels + [Words(title, (start, panel.top - 0.6 * gap), 8, SOFT, anchor)]
 
 
 def list_ticks(low, high, most=10):

@@ -5,10 +5,11 @@ from typing import NamedTuple
 import numpy as np
 
 from .canvas import Canvas, Words, draw_marks, measure_text, new_canvas, rgb, write_words
+from .labels import spread_labels
 from .marks import INK, SOFT
 from .rasters import rasterize_mesh, widest_azimuth
 from .shading import shade_layers
-from .views import View, fit_view
+from .views import View, choose_elevation, fit_view, project_points
 
 
 class Glass(NamedTuple):
@@ -39,7 +40,8 @@ def draw_glass(points, faces, options):
     points, faces : (n, 3) float64 and (m, 3) int
         The surface in the tilted frame, height up.
     options : dict
-        width (pixels), azimuth (degrees, or None for the largest silhouette) and elevation (degrees).
+        width (pixels), azimuth (degrees, or None for the largest silhouette) and elevation (degrees, or None for
+        what suits the model).
 
     Returns
     -------
@@ -47,13 +49,37 @@ def draw_glass(points, faces, options):
     """
     width = int(options.get("width", 800))
     canvas = new_canvas(width, width, width / 432)
-    azimuth, elevation = options.get("azimuth"), float(options.get("elevation", 15))
+    azimuth, elevation = options.get("azimuth"), options.get("elevation")
+    elevation = choose_elevation(points) if elevation is None else float(elevation)
     azimuth = widest_azimuth(points, faces, elevation) if azimuth is None else float(azimuth)
     view = fit_view(points, azimuth, elevation, width, width, margin=0.12)
     fine = view._replace(width=2 * width, height=2 * width, scale=2 * view.scale)
     jump = 0.012 * float(np.ptp(points, axis=0).max())
     canvas.image[:] = shade_layers(rasterize_mesh(points, faces, fine), jump, 2)
     return Glass(canvas, view, fine, jump)
+
+
+def write_numbers(canvas, view, numbers, curves):
+    """Write numbers amid what they tell, as far as they cover nothing; say how many there is no room for.
+
+    Parameters
+    ----------
+    canvas : Canvas
+        Drawn on in place.
+    view : View
+    numbers : list of int
+        Rows of a table.
+    curves : list of (k, 3) float64
+        Points of each, in the tilted frame.
+    """
+    middles = np.array([curve.mean(axis=0) for curve in curves]).reshape(-1, 3)
+    spots = project_points(middles, view)[:, :2]
+    words = spread_labels(canvas, [str(number) for number in numbers], spots, 7.5, INK, 0.0)
+    width = canvas.image.shape[1]
+    left = len(curves) - len(words)
+    words.append(Words("numbers are rows of the table" + (f"; no room for {left:,}" if left else ""),
+                       (0.96 * width, 0.05 * width), 8.5, SOFT, "rm"))  # fmt: skip
+    write_words(canvas, words)
 
 
 def write_legend(canvas, name, kinds, inks, words):

@@ -5,7 +5,7 @@ import itertools
 import numpy as np
 
 from .canvas import draw_lines, rgb
-from .glass import draw_glass, write_legend
+from .glass import draw_glass, write_legend, write_numbers
 from .views import project_points
 
 # Colours of Okabe and Ito, told apart by the colour-blind.
@@ -29,12 +29,14 @@ def draw_loops(name, points, faces, loops, options):
     loops : Loops
         Of the surface, in the same frame.
     options : dict
-        width (pixels), azimuth (degrees, or None for the largest silhouette) and elevation (degrees).
+        width (pixels), azimuth (degrees, or None for the largest silhouette) and elevation (degrees, or
+        None for what suits the model).
 
     Returns
     -------
     (height, width, 3) uint8
-        The picture is as high as wide. Circles around are thick, closed paths thin, nothing hides them.
+        The picture is as high as wide. Circles around are thick, closed paths thin, nothing hides them. Numbers in
+        the circles are rows of the table `loops`.
     """
     canvas, view, *_ = draw_glass(points, faces, options)
     inks = np.array([rgb(INKS[kind]) for kind in loops.kind]).reshape(-1, 3)
@@ -43,5 +45,6 @@ def draw_loops(name, points, faces, loops, options):
     for curves, thickness in ((paths, 1.3), (loops.circles, 3.0)):
         closed = [project_points(np.vstack([curve, curve[:1]]), view)[:, :2] for curve in curves]
         draw_lines(canvas, closed, inks, thickness)
+    write_numbers(canvas, view, list(range(len(loops.circles))), loops.circles)
     write_legend(canvas, name, loops.kind.tolist(), INKS, WORDS)
     return canvas.image

@@ -77,7 +77,7 @@ def describe_model(told, model, unit):
     certificate = told.certificate
     bodies, voids = (certificate.get("betti_solid") or [None])[0], certificate.get("voids")
     words = [_count(bodies, "body", "bodies"), _count(voids, "closed void", "closed voids")]
-    words.append(_describe_genus(certificate))
+    words.append(describe_genus(certificate))
     heights = (model.points @ model.rotation[2])[[0, -1]] if not len(model.points) else model.points @ model.rotation[2]
     low, high = (format_figure(float(bound), unit) for bound in (heights.min(), heights.max()))
     words.append(f"height {low} to {high}" + ("" if unit else ", in the units of the mesh"))
@@ -93,8 +93,19 @@ def _count(number, one, many):
     return "" if number is None else f"{number or 'no'} {one if number == 1 else many}"
 
 
-def _describe_genus(certificate):
-    """The genus as a sum of the loops that are seen where, and of those that are not."""
+def describe_genus(certificate):
+    """Say the genus as a sum of the loops that are seen where, and of those that are not.
+
+    Parameters
+    ----------
+    certificate : dict
+        The content of certificate.json.
+
+    Returns
+    -------
+    str
+        Empty where the genus is not known.
+    """
     genus, solid, surface = (certificate.get(name) for name in ("genus", "loops_solid", "loops_surface"))
     if not genus or solid is None or surface is None:
         return "" if genus is None else f"genus {genus}" + ("" if genus else ": no loops")

@@ -12,24 +12,19 @@ from typing import NamedTuple
 
 import numpy as np
 
-from .canvas import Words, draw_lines, draw_marks, draw_segments, measure_text, new_canvas, rgb, write_words
+from .canvas import Words, draw_lines, draw_segments, new_canvas, rgb, write_words
+from .embedded_graphs import find_vertices
 from .flat import Panel, draw_flat
-from .marks import CASED, FAR, INK, SOFT, draw_nodes, group_marks, mark_style, ring_style
+from .labels import spread_labels
+from .legend import draw_legend, draw_scale
+from .marks import CASED, FAR, INK, SOFT, draw_nodes, mark_size
 from .rasters import rasterize_mesh, widest_azimuth
 from .shading import shade_layers
-from .views import fit_view, project_points, view_axes
+from .titles import write_title
+from .views import choose_elevation, fit_view, project_points, view_axes
 
-VERDICT_INKS = {"exact": "#00724F", "exact_at_feature_size": "#005A8C", "uncertified": "#B3470A"}
 POINTS = (864, 518.4)  # size of the picture, in the points that words and lines are measured in
 LABELS = 40  # nodes, beyond which handles are not numbered
-
-
-class Title(NamedTuple):
-    """Words at the top: the model, short statements in a line below it, and the certificate's verdict."""
-
-    name: str
-    facts: list
-    verdict: str
 
 
 class Body(NamedTuple):
@@ -61,14 +56,15 @@ def draw_model(title, body, graph, paths, options):
     title : Title
     body : Body
     graph : Graph
-        The solid's graph; nodes with height, x, y, z (model frame), side,
-        operation, handle and, if not 1, n_handles, edges with arc.
+        Nodes with height, x, y, z (model frame), side, operation, handle
+        and, if not 1, n_handles, edges with arc; a node with vertex_x,
+        vertex_y, vertex_z has a thin line to there.
     paths : dict
-        For an arc the material points (k, 3), model frame, upward; an arc
+        For an arc the points (k, 3) along it, model frame, upward; an arc
         without an entry is drawn straight.
     options : dict
         width (pixels), azimuth (degrees, or None for the largest silhouette) and
-        elevation (degrees).
+        elevation (degrees, or None for what suits the model).
 
     Returns
     -------
@@ -76,30 +72,85 @@ def draw_model(title, body, graph, paths, options):
         Text and lines scale with the width. An empty surface or graph gives
         empty panels.
     """
-    points = body.points
+    return paint_model(open_canvas(options), title, body, graph, paths, options).image
+
+
+def open_canvas(options, strokes=None):
+    """Make an empty canvas for a picture of a model.
+
+    Parameters
+    ----------
+    options : dict
+        width, in pixels.
+    strokes : list, optional
+        Where lines, marks and words are kept instead of drawn.
+
+    Returns
+    -------
+    Canvas
+    """
     width = int(options.get("width", 1600))
-    height, unit = int(width * POINTS[1] / POINTS[0]), width / POINTS[0]
-    canvas = new_canvas(width, height, unit)
-    azimuth, elevation = options.get("azimuth"), float(options.get("elevation", 15))
-    azimuth = widest_azimuth(points, body.faces, elevation) if azimuth is None else float(azimuth)
-    view, corner, flat = _arrange(width, height, points, azimuth, elevation)
+    return new_canvas(width, int(width * POINTS[1] / POINTS[0]), width / POINTS[0])._replace(strokes=strokes)
+
+
+def paint_model(canvas, title, body, graph, paths, options):
+    """Draw what :func:`draw_model` draws on a canvas.
+
+    Parameters
+    ----------
+    canvas : Canvas
+        Of :func:`open_canvas`, drawn on in place.
+    title, body, graph, paths, options
+        As for :func:`draw_model`.
+
+    Returns
+    -------
+    Canvas
+        The same.
+    """
+    (height, width), unit = canvas.image.shape[:2], canvas.unit
+    view, corner, flat = arrange(width, height, body, options)
     seen, ends = draw_in_body(canvas, corner, view, body, graph, paths)
     words = _draw_frame(canvas, corner, view, body.rotation)
     marks = list(graph.nodes.values())
     spots, labels = draw_flat(canvas, flat, marks, seen, ends)
-    for places in (seen, spots):
-        words += _number_marks(marks, places, unit)
-    write_words(canvas, words + labels + _write_title(title, width, height) + _draw_legend(canvas, marks))
-    return canvas.image
+    words += draw_scale(canvas, view, corner[0] + 0.98 * view.width, corner[1] + 0.985 * view.height, title.unit)
+    for places in (seen, spots) if len(marks) <= LABELS else ():
+        numbers = [str(mark.get("handle", "")) for mark in marks]
+        words += spread_labels(canvas, numbers, places, 6.5, SOFT, mark_size(len(marks)) / 2)
+    words += [Words(title.graph, (flat.left, flat.top - 12 * unit), 8.5, INK)] if title.graph else []
+    write_words(canvas, words + labels + write_title(title, width, height) + draw_legend(canvas, marks))
+    return canvas
 
 
-def _arrange(width, height, points, azimuth, elevation):
-    """The view, its upper left corner and the panel on its right; the view as wide as the model asks for."""
-    tall = 0.80 * height
+def arrange(width, height, body, options):
+    """Share a picture between the body and what is beside it.
+
+    Parameters
+    ----------
+    width, height : int
+        Of the picture, in pixels.
+    body : Body
+    options : dict
+        azimuth and elevation, as for :func:`draw_model`.
+
+    Returns
+    -------
+    view : View
+        As wide as the model asks for.
+    corner : (2,) int
+        Column and row of its upper left corner.
+    flat : Panel
+        The part on its right.
+    """
+    points, azimuth, elevation = body.points, options.get("azimuth"), options.get("elevation")
+    elevation = choose_elevation(points) if elevation is None else float(elevation)
+    azimuth = widest_azimuth(points, body.faces, elevation) if azimuth is None else float(azimuth)
+    tall = 0.78 * height
     seen = np.ptp(view_axes(azimuth, elevation)[:2] @ points.T, axis=1) if len(points) else np.ones(2)
     part = np.clip(np.clip(seen[0] / max(seen[1], 1e-300), 0.1, 10) * tall / width, 0.34, 0.56)
     view = fit_view(points, azimuth, elevation, round(part * width), round(tall))
-    flat = Panel((part + 0.075) * width, 0.13 * height, (0.90 - part) * width, 0.765 * height)
+    flat = Panel((part + 0.075) * width, 0.145 * height, (0.90 - part) * width, 0.735 * height)
     return view, np.array([round(0.01 * width), round(0.115 * height)]), flat
 
 
@@ -132,14 +183,22 @@ def draw_in_body(canvas, corner, view, body, graph, paths):
     places = np.array([[mark["x"], mark["y"], mark["z"]] for mark in marks], float).reshape(-1, 3)
     ends = _list_ends(graph)
     seen = project_points(places @ rotation.T, view)[:, :2] + corner
-    _draw_body(canvas, corner, body, view)
+    draw_body(canvas, corner, view, body)
     lines = [
         np.vstack([places[i], np.reshape(paths.get(facts.get("arc"), ()), (-1, 3)), places[j]])
         for (i, j), (_, _, facts) in zip(ends, graph.edges, strict=True)
     ]
+    _draw_leaders(canvas, corner, view, marks, places, rotation)
     _draw_arcs(canvas, corner, [project_points(line @ rotation.T, view) for line in lines])
     draw_nodes(canvas, marks, seen)
     return seen, ends
+
+
+def _draw_leaders(canvas, corner, view, marks, places, rotation):
+    """Thin lines from the nodes to their critical vertices."""
+    vertices = find_vertices(marks)
+    leads = np.stack([project_points(ends @ rotation.T, view)[:, :2] + corner for ends in (places, vertices)], axis=1)
+    draw_lines(canvas, [lead for lead in leads if (lead[0] != lead[1]).any()], rgb(SOFT), 0.4)
 
 
 def _list_ends(graph):
@@ -149,8 +208,18 @@ def _list_ends(graph):
     return np.array(ends, int).reshape(-1, 2)
 
 
-def _draw_body(canvas, corner, body, view):
-    """Draw the surface, twice as fine as the picture and averaged, with some contours on it."""
+def draw_body(canvas, corner, view, body):
+    """Draw a surface, twice as fine as the picture and averaged, with some contours on it.
+
+    Parameters
+    ----------
+    canvas : Canvas
+        Drawn on in place.
+    corner : (2,) int
+        Column and row of the view's upper left corner in the picture.
+    view : View
+    body : Body
+    """
     points = body.points
     fine = view._replace(width=2 * view.width, height=2 * view.height, scale=2 * view.scale)
     layers = rasterize_mesh(points, body.faces, fine)
@@ -197,45 +266,3 @@ def _draw_frame(canvas, corner, view, rotation):
     ways = size * (view.axes @ rotation).T[:, :2] * [1, -1]
     draw_lines(canvas, [np.array([origin, origin + way]) for way in ways], rgb(SOFT), 1.0)
     return [Words(name, tuple(origin + 1.35 * way), 7.5, SOFT, "mm") for name, way in zip("xyz", ways)]
-
-
-# --------------------------------------------------------------------------
-# Words
-
-
-def _number_marks(marks, spots, unit):
-    """The numbers of the handles, if they are few."""
-    return [
-        Words(str(mark.get("handle", "")), (x + 4.2 * unit, y - 4.0 * unit), 6.5, SOFT, "ls", halo=0.8)
-        for mark, (x, y) in zip(marks if len(marks) <= LABELS else (), spots)
-    ]
-
-
-def _write_title(title, width, height):
-    """The words at the top."""
-    ink = VERDICT_INKS.get(title.verdict, SOFT)
-    return [
-        Words(title.name, (0.018 * width, 0.045 * height), 15, INK, bold=True),
-        Words("   ".join(title.facts), (0.018 * width, 0.087 * height), 9.5, SOFT),
-        Words(title.verdict.replace("_", " "), (0.982 * width, 0.045 * height), 12, ink, "rm", bold=True),
-    ]
-
-
-def _draw_legend(canvas, marks):
-    """One mark per operation and side that occurs, at the bottom in one row or two; returns its words."""
-    entries = [
-        (f"{operation or 'compound'} {side} ({len(own):,})", mark_style(operation, side, 7))
-        for (operation, side), own in group_marks(marks)
-    ]
-    several = sum(mark.get("n_handles", 1) > 1 for mark in marks)
-    if several:
-        entries.append((f"several handles ({several:,})", ring_style(6)))
-    rows = 1 if len(entries) <= 6 else 2  # beyond what fits in one
-    words, left = [], 0.018 * canvas.image.shape[1]
-    for k in range(0, len(entries), rows):
-        for row, (text, style) in enumerate(entries[k : k + rows]):
-            y = canvas.image.shape[0] - (14.5 + 13 * (rows - 1 - row)) * canvas.unit
-            draw_marks(canvas, [(left + 6 * canvas.unit, y)], **style)
-            words.append(Words(text, (left + 14 * canvas.unit, y), 8.5, INK))
-        left += 28 * canvas.unit + max(measure_text(canvas, text, 8.5) for text, _ in entries[k : k + rows])
-    return words

@@ -4,7 +4,7 @@ import numpy as np
 
 from .body_scenes import scene_of_bodies
 from .canvas import rgb
-from .glass import draw_glass, write_legend
+from .glass import draw_glass, write_legend, write_numbers
 from .rasters import rasterize_mesh
 from .shading import shade_layers
 
@@ -53,12 +53,14 @@ def draw_pockets(name, points, faces, bodies, kinds, options):
     kinds : list of str
         Of each body, as in :class:`..graphs.pocket_measures.Pockets`.
     options : dict
-        width (pixels), azimuth (degrees, or None for the largest silhouette) and elevation (degrees).
+        width (pixels), azimuth (degrees, or None for the largest silhouette) and elevation (degrees, or
+        None for what suits the model).
 
     Returns
     -------
     (height, width, 3) uint8
-        The picture is as high as wide. Where several bodies lie behind one another, the nearest is coloured.
+        The picture is as high as wide. Where several bodies lie behind one another, the nearest is coloured. Numbers
+        on them are rows of the table `pockets`, or `islands`.
     """
     canvas, view, fine, jump = draw_glass(points, faces, options)
     seen, width = canvas.image / 255.0, view.width
@@ -71,6 +73,9 @@ def draw_pockets(name, points, faces, bodies, kinds, options):
         tone = shade_layers(layer, jump, 2).mean(axis=2, keepdims=True) / 255
         seen *= 1 - STRENGTH * covered * (1 - np.clip(rgb(INKS[kind]) / 255 * (0.55 + 0.75 * tone), 0, 1))
     canvas.image[:] = np.rint(255 * seen)
+    before = [kinds[:k].count("island") for k in range(len(kinds))]
+    rows = [count if kind == "island" else k - count for k, (kind, count) in enumerate(zip(kinds, before))]
+    write_numbers(canvas, view, rows, [points for points, _ in bodies])
     write_legend(canvas, name, kinds, INKS, WORDS)
     return canvas.image
 

@@ -32,6 +32,26 @@ def view_axes(azimuth, elevation):
     return np.array([right, up, toward])
 
 
+def choose_elevation(points):
+    """Choose from how high a model is seen: low what stands, from above what lies flat.
+
+    Parameters
+    ----------
+    points : (n, 3) float64
+        In the tilted frame.
+
+    Returns
+    -------
+    float
+        Degrees: 15 for a model at least half as high as wide, 60 for one at most a tenth as high, between them evenly.
+    """
+    if len(points) == 0:
+        return 15.0
+    wide, deep, high = np.ptp(points, axis=0).tolist()
+    flat = (0.5 - high / max(wide, deep, 1e-300)) / 0.4
+    return 15.0 + 45.0 * min(max(flat, 0.0), 1.0)
+
+
 def fit_view(points, azimuth, elevation, width, height, margin=0.06):
     """The view in which `points` (n, 3) fill a picture of width x height pixels.
 

@@ -1,0 +1,95 @@
+"""What the marks of a graph mean, in words, and the scale bar."""
+
+import numpy as np
+
+from .canvas import Words, draw_lines, draw_marks, measure_text, rgb
+from .labels import scale_bar
+from .marks import INK, SOFT, group_marks, mark_style, ring_style
+from .page_words import SIDE_WORDS, SYMBOLS
+
+# What happens at each operation and side as the height rises.
+EVENT_WORDS = {
+    ("creation", "A"): "material begins",
+    ("creation", "B"): "a pocket or void opens",
+    ("union", "A"): "parts merge",
+    ("union", "B"): "a ring opens or holes merge",
+    ("separation", "A"): "a ring closes or a hole divides",
+    ("separation", "B"): "a part splits",
+    ("annihilation", "A"): "a void or hole closes",
+    ("annihilation", "B"): "material ends",
+}
+SIZE = 8.0  # points, of its letters
+ROW = 12.5  # points from one row to the next
+
+
+def draw_legend(canvas, marks):
+    """Draw at the bottom of a picture one mark per operation and side that occurs, with what it means.
+
+    Parameters
+    ----------
+    canvas : Canvas
+        Drawn on in place.
+    marks : list of dict
+        Attributes of the nodes.
+
+    Returns
+    -------
+    list of Words
+        Those to be written.
+    """
+    entries = [
+        (f"{operation or 'compound'} {side}: {EVENT_WORDS.get((operation, side), 'several events')} ({len(own):,})",
+         mark_style(operation, side, 7))
+        for (operation, side), own in group_marks(marks)
+    ]  # fmt: skip
+    several = sum(mark.get("n_handles", 1) > 1 for mark in marks)
+    if several:
+        entries.append((f"ring: several events that share a node ({several:,})", ring_style(6)))
+    if any("vertex_x" in mark for mark in marks):
+        entries.append(("thin line: to the critical vertex of an event", None))
+    words, unit, left = _explain_sides(canvas, marks), canvas.unit, 0.018 * canvas.image.shape[1]
+    for k in range(0, len(entries), 2):
+        for row, (text, style) in enumerate(entries[k : k + 2]):
+            y = canvas.image.shape[0] - (25 - ROW * row) * unit
+            if style:
+                draw_marks(canvas, [(left + 6 * unit, y)], **style)
+            else:
+                draw_lines(canvas, [np.array([[left + 2 * unit, y], [left + 10 * unit, y]])], rgb(SOFT), 0.5)
+            words.append(Words(text, (left + 14 * unit, y), SIZE, INK))
+        left += 22 * unit + max(measure_text(canvas, text, SIZE) for text, _ in entries[k : k + 2])
+    return words
+
+
+def _explain_sides(canvas, marks):
+    """What filled and hollow marks mean, above the legend, where both occur."""
+    if not marks:
+        return []
+    y = canvas.image.shape[0] - (25 + ROW) * canvas.unit
+    text = f"filled, side A: {SIDE_WORDS['A']}; hollow, side B: {SIDE_WORDS['B'].split(' as ')[0]}"
+    return [Words(text, (0.018 * canvas.image.shape[1] + 2 * canvas.unit, y), SIZE, SOFT)]
+
+
+def draw_scale(canvas, view, right, bottom, unit):
+    """Draw a scale bar that ends at a place.
+
+    Parameters
+    ----------
+    canvas : Canvas
+        Drawn on in place.
+    view : View
+    right, bottom : float
+        Column and row of its right end.
+    unit : str or None
+        Of length; None where the file does not tell it.
+
+    Returns
+    -------
+    list of Words
+        Its length.
+    """
+    length = scale_bar(view)
+    left, tick = right - length * view.scale, 2.5 * canvas.unit
+    bar = [(left, bottom - tick), (left, bottom), (right, bottom), (right, bottom - tick)]
+    draw_lines(canvas, [np.array(bar)], rgb(SOFT), 1.0)
+    text = f"{length:g} {SYMBOLS.get(unit, unit) if unit else 'units of the mesh'}"
+    return [Words(text, ((left + right) / 2, bottom - 7 * canvas.unit), 7.5, SOFT, "mm", halo=0.8)]
