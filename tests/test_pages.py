@@ -191,7 +191,11 @@ def test_graphs_of_the_scene_are_those_of_the_files(made, name):
             path = part["POSITION"][part["_ARC"] == k]
             assert np.allclose(path[[0, -1]], spots[arc["ends"]], atol=1e-5)
         vertices = scene.parts[f"{which} leaders"]["POSITION"][len(spots) :]
-        assert np.allclose(vertices, [[node[axis] for axis in "xyz"] for node in nodes], atol=1e-5)
+        handles = read_table(made[name] / "handles.parquet", "handles").to_pylist()
+        wanted = [[handles[node["handle"]][axis] for axis in "xyz"] for node in nodes]
+        assert np.allclose(vertices, wanted, atol=1e-5)
+        if which.startswith("solid"):
+            assert np.allclose(spots, [[node[axis] for axis in "xyz"] for node in nodes], atol=1e-5)
     rows = {
         row["arc"]: row
         for row in read_table(made[name] / "arcs.parquet", "arcs").to_pylist()

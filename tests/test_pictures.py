@@ -300,7 +300,7 @@ def test_the_stage_writes_the_same_picture_twice(tmp_path):
     certify.main(tmp_path, tmp_path, {"distance": 0.1, "units": "relative", "feature_size": 0.2, "refine": "exact"})
     pictures = []
     for _ in range(2):
-        draw.main(tmp_path, tmp_path, {"width": 400, "azimuth": -60, "elevation": 15})
+        draw.main(tmp_path, tmp_path, {"width": 400, "azimuth": -60, "elevation": 15, "graph": "auto"})
         pictures.append((tmp_path / "picture.png").read_bytes())
     assert pictures[0] == pictures[1] and pictures[0][:4] == b"\x89PNG"
     graph = nx.read_graphml(tmp_path / "solid.graphml", force_multigraph=True)

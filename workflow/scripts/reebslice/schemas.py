@@ -206,8 +206,8 @@ SCHEMAS = {
         (
             "inscribed_radius",
             REAL,
-            "Distance from the point to the boundary of the region; with `sampler: inscribed` at least 0.9 of the largest "
-            "that was found.",
+            "Distance from the point to the boundary of the region; with `sampler: inscribed` at least 0.9 of the "
+            "largest that was found.",
             ("unit", "mesh"),
         ),
         ("n_holes", INT, "Holes of the region."),

@@ -9,6 +9,7 @@ from .canvas import Words, draw_lines, draw_marks, rgb, write_words
 from .legend import EVENT_WORDS, draw_scale
 from .marks import INK, MARKS, SOFT, mark_style
 from .model import unpack_contours
+from .page_words import format_figure
 from .picture import arrange, draw_body
 from .titles import write_title
 from .views import project_points
@@ -87,9 +88,11 @@ def _tell_event(handle, left, row, unit, length):
     """A line of words about an event, and a smaller one below it."""
     operation, side = handle["operation"], handle["side"]
     first = f"{handle['handle']}  {operation}: {handle['index']}-handle"
-    change = (handle["change"] or "several contours").replace("->", " \u2192 ")
+    ends = [end or "nothing" for end in (handle["change"] or "").split("->")]
+    change = " \u2192 ".join(ends) if len(ends) > 1 else "several contours"
     happens = EVENT_WORDS.get((operation, side), "")
-    second = f"{happens} (side {side}), {change}, at height {handle['height']:.5g} {length or ''}".rstrip()
+    height = format_figure(handle["height"], length)
+    second = f"{happens} (side {side}), {change}, at height {height}"
     return [
         Words(first, (left + 5 * unit, row - 4.5 * unit), 9, MARKS[operation][1], bold=True),
         Words(second, (left + 5 * unit, row + 5.5 * unit), 7.5, SOFT),

@@ -8,7 +8,7 @@ from .canvas import Words, draw_lines, rgb
 from .layout import place_graph, trace_arc
 from .marks import CASED, INK, SOFT, draw_nodes, mark_size
 
-SHARE = 0.5  # of the steps from event to event that are too small for marks, beyond which the order is drawn
+SHARE = 0.75  # of the steps from event to event that are too small for marks, beyond which the order is drawn
 
 
 class Panel(NamedTuple):
@@ -61,8 +61,7 @@ def draw_flat(canvas, panel, marks, seen, ends):
         return origin + (points - [middle, low]) * scale
 
     values, texts = list_ranks(told) if in_order else list_ticks(low - 0.04 * extent, low + 1.04 * extent)
-    title = "height, evenly from event to event" if in_order else "height"
-    labels = _draw_axis(canvas, panel, place, values, (title, *texts))
+    labels = _draw_axis(canvas, panel, place, values, texts, "height, not to scale" if in_order else "height")
     spots = np.column_stack([layout.nodes, heights])
     arcs = zip(ends, layout.lanes, strict=True)
     lines = [place(trace_arc(spots[i], spots[j], lane, 0.03 * extent)) for (i, j), lane in arcs]
@@ -107,23 +106,21 @@ def list_ranks(heights, most=10):
     """
     found = np.unique(heights)
     values = np.unique(np.linspace(0, len(found) - 1, min(most, len(found))).round())
-    return values, [f"{found[int(value)]:.5g}".replace("-", "\u2212") for value in values]
+    return values, [f"{found[int(value)]:.4g}".replace("-", "\u2212") for value in values]
 
 
-def _draw_axis(canvas, panel, place, values, words):
-    """The axis of heights on the left of the panel, and a grid; returns its words.
-
-    words : its title, then a text for each of the values.
-    """
-    title, *texts = words
+def _draw_axis(canvas, panel, place, values, texts, title):
+    """The axis of heights on the left of the panel, and a grid; returns its words, a text for each of the values."""
     rows = np.floor(place(np.column_stack([np.zeros(len(values)), values]))[:, 1]) + 0.5
     left, tick, gap = np.floor(panel.left) + 0.5, 3 * canvas.unit, 6 * canvas.unit
     draw_lines(canvas, [np.array([[left, row], [left + panel.width, row]]) for row in rows], rgb("#E8EBEE"), 0.6)
     ticks = [np.array([[left - tick, row], [left, row]]) for row in rows]
     draw_lines(canvas, [np.array([[left, panel.top], [left, panel.top + panel.height]]), *ticks], rgb(SOFT), 0.8)
     labels = [Words(text, (left - gap, row), 8, SOFT, "rm") for text, row in zip(texts, rows, strict=True)]
-    anchor, start = ("rm", left - gap) if len(title) < 8 else ("lm", left - 5 * gap)
-    return labels + [Words(title, (start, panel.top - 0.6 * gap), 8, SOFT, anchor)]
+    lines = title.split(", ")[::-1]
+    return labels + [
+        Words(line, (left - gap, panel.top - (1.5 + 1.7 * k) * gap), 8, SOFT, "rm") for k, line in enumerate(lines)
+    ]
 
 
 def list_ticks(low, high, most=10):

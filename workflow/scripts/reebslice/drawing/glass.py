@@ -11,6 +11,8 @@ from .rasters import rasterize_mesh, widest_azimuth
 from .shading import shade_layers
 from .views import View, choose_elevation, fit_view, project_points
 
+FEW = 60  # numbers, beyond which they are written smaller
+
 
 class Glass(NamedTuple):
     """A picture of a translucent surface, as high as wide.
@@ -59,8 +61,8 @@ def draw_glass(points, faces, options):
     return Glass(canvas, view, fine, jump)
 
 
-def write_numbers(canvas, view, numbers, curves):
-    """Write numbers amid what they tell, as far as they cover nothing; say how many there is no room for.
+def write_numbers(canvas, view, numbers, curves, note=""):
+    """Write numbers beside what they tell, as far as they cover nothing; say how many there is no room for.
 
     Parameters
     ----------
@@ -71,14 +73,17 @@ def write_numbers(canvas, view, numbers, curves):
         Rows of a table.
     curves : list of (k, 3) float64
         Points of each, in the tilted frame.
+    note : str
+        Said besides.
     """
     middles = np.array([curve.mean(axis=0) for curve in curves]).reshape(-1, 3)
     spots = project_points(middles, view)[:, :2]
-    words = spread_labels(canvas, [str(number) for number in numbers], spots, 7.5, INK, 0.0)
+    size = 7.5 if len(numbers) <= FEW else 6.0
+    words = spread_labels(canvas, [str(number) for number in numbers], spots, size, INK, 0.55 * size)
     width = canvas.image.shape[1]
     left = len(curves) - len(words)
-    words.append(Words("numbers are rows of the table" + (f"; no room for {left:,}" if left else ""),
-                       (0.96 * width, 0.05 * width), 8.5, SOFT, "rm"))  # fmt: skip
+    told = "numbers are rows of the table" + (f"; no room for {left:,}" if left else "") + note
+    words.append(Words(told, (0.04 * width, 0.085 * width), 8.5, SOFT))
     write_words(canvas, words)
 
 

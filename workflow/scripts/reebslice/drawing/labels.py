@@ -20,7 +20,7 @@ def spread_labels(canvas, texts, spots, size, colour, radius=4.0):
     spots : (n, 2) array_like of float
         Column and row of the marks.
     size, radius : float
-        Of the letters, and of the marks, in points; with radius 0 the labels stand at their spots if they can.
+        Of the letters, and of the marks, in points.
     colour : str
 
     Returns
@@ -32,12 +32,11 @@ def spread_labels(canvas, texts, spots, size, colour, radius=4.0):
     spots = np.asarray(spots, float).reshape(-1, 2)
     radius, half_high = radius * canvas.unit, 0.6 * size * canvas.unit
     limit = np.array(canvas.image.shape[1::-1], float)
-    taken = np.hstack([spots - 0.8 * radius, spots + 0.8 * radius]) if radius else np.empty((0, 4))
+    taken = np.hstack([spots - 0.8 * radius, spots + 0.8 * radius])
     words = []
     for text, spot in zip(texts, spots):
         half = np.array([measure_text(canvas, text, size) / 2 + 0.5 * canvas.unit, half_high])
-        tried = [spot + (half + reach * radius) * place for reach in REACHES for place in PLACES]
-        for middle in tried if radius else [spot, *tried]:
+        for middle in (spot + (half + reach * radius) * place for reach in REACHES for place in PLACES):
             low, high = middle - half, middle + half
             meets = (taken[:, :2] < high).all(axis=1) & (taken[:, 2:] > low).all(axis=1)
             if not meets.any() and (low >= 0).all() and (high <= limit).all():

@@ -19,7 +19,7 @@ EVENT_WORDS = {
     ("annihilation", "B"): "material ends",
 }
 SIZE = 8.0  # points, of its letters
-ROW = 12.5  # points from one row to the next
+ROW = 12.0  # points from one row to the next
 
 
 def draw_legend(canvas, marks):
@@ -47,24 +47,25 @@ def draw_legend(canvas, marks):
         entries.append((f"ring: several events that share a node ({several:,})", ring_style(6)))
     if any("vertex_x" in mark for mark in marks):
         entries.append(("thin line: to the critical vertex of an event", None))
-    words, unit, left = _explain_sides(canvas, marks), canvas.unit, 0.018 * canvas.image.shape[1]
-    for k in range(0, len(entries), 2):
-        for row, (text, style) in enumerate(entries[k : k + 2]):
-            y = canvas.image.shape[0] - (25 - ROW * row) * unit
+    rows = 2 if len(entries) <= 8 else 3  # beyond what fits in two
+    words, unit, left = _explain_sides(canvas, marks, rows), canvas.unit, 0.018 * canvas.image.shape[1]
+    for k in range(0, len(entries), rows):
+        for row, (text, style) in enumerate(entries[k : k + rows]):
+            y = canvas.image.shape[0] - ROW * (rows - row) * unit
             if style:
                 draw_marks(canvas, [(left + 6 * unit, y)], **style)
             else:
                 draw_lines(canvas, [np.array([[left + 2 * unit, y], [left + 10 * unit, y]])], rgb(SOFT), 0.5)
-            words.append(Words(text, (left + 14 * unit, y), SIZE, INK))
-        left += 22 * unit + max(measure_text(canvas, text, SIZE) for text, _ in entries[k : k + 2])
+            words.append(Words(text, (left + 15 * unit, y), SIZE, INK))
+        left += 24 * unit + max(measure_text(canvas, text, SIZE) for text, _ in entries[k : k + rows])
     return words
 
 
-def _explain_sides(canvas, marks):
-    """What filled and hollow marks mean, above the legend, where both occur."""
+def _explain_sides(canvas, marks, rows):
+    """What filled and hollow marks mean, above the rows of the legend."""
     if not marks:
         return []
-    y = canvas.image.shape[0] - (25 + ROW) * canvas.unit
+    y = canvas.image.shape[0] - ROW * (rows + 1) * canvas.unit
     text = f"filled, side A: {SIDE_WORDS['A']}; hollow, side B: {SIDE_WORDS['B'].split(' as ')[0]}"
     return [Words(text, (0.018 * canvas.image.shape[1] + 2 * canvas.unit, y), SIZE, SOFT)]
 
@@ -91,5 +92,6 @@ def draw_scale(canvas, view, right, bottom, unit):
     left, tick = right - length * view.scale, 2.5 * canvas.unit
     bar = [(left, bottom - tick), (left, bottom), (right, bottom), (right, bottom - tick)]
     draw_lines(canvas, [np.array(bar)], rgb(SOFT), 1.0)
-    text = f"{length:g} {SYMBOLS.get(unit, unit) if unit else 'units of the mesh'}"
+    word = SYMBOLS.get(unit, unit) if unit else "unit of the mesh" if length == 1 else "units of the mesh"
+    text = f"{length:g} {word}"
     return [Words(text, ((left + right) / 2, bottom - 7 * canvas.unit), 7.5, SOFT, "mm", halo=0.8)]

@@ -10,6 +10,7 @@ from .views import project_points
 
 # Colours of Okabe and Ito, told apart by the colour-blind.
 INKS = {"handle": "#D55E00", "tunnel": "#0072B2", "mixed": "#A3246E"}
+MOST_PATHS = 24  # of more, closed paths would hide where the loops are
 WORDS = {
     "handle": "a bar: cut there, it is open",
     "tunnel": "a hole: plugged there, it is closed",
@@ -35,16 +36,18 @@ def draw_loops(name, points, faces, loops, options):
     Returns
     -------
     (height, width, 3) uint8
-        The picture is as high as wide. Circles around are thick, closed paths thin, nothing hides them. Numbers in
-        the circles are rows of the table `loops`.
+        The picture is as high as wide. Circles around are thick, closed paths, of no more than `MOST_PATHS` loops,
+        thin, nothing hides them. Numbers beside the circles are rows of the table `loops`.
     """
     canvas, view, *_ = draw_glass(points, faces, options)
     inks = np.array([rgb(INKS[kind]) for kind in loops.kind]).reshape(-1, 3)
     start, member = loops.paths
     paths = [points[member[a:b]] for a, b in itertools.pairwise(start)]
-    for curves, thickness in ((paths, 1.3), (loops.circles, 3.0)):
+    drawn = [(paths, 1.3)] * (len(paths) <= MOST_PATHS) + [(loops.circles, 3.0)]
+    for curves, thickness in drawn:
         closed = [project_points(np.vstack([curve, curve[:1]]), view)[:, :2] for curve in curves]
         draw_lines(canvas, closed, inks, thickness)
-    write_numbers(canvas, view, list(range(len(loops.circles))), loops.circles)
+    note = "" if len(drawn) > 1 else f"; closed paths of more than {MOST_PATHS} are not drawn"
+    write_numbers(canvas, view, list(range(len(loops.circles))), loops.circles, note)
     write_legend(canvas, name, loops.kind.tolist(), INKS, WORDS)
     return canvas.image

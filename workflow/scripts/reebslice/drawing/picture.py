@@ -24,7 +24,7 @@ from .titles import write_title
 from .views import choose_elevation, fit_view, project_points, view_axes
 
 POINTS = (864, 518.4)  # size of the picture, in the points that words and lines are measured in
-LABELS = 40  # nodes, beyond which handles are not numbered
+LABELS = 60  # nodes, beyond which handles are not numbered
 
 
 class Body(NamedTuple):

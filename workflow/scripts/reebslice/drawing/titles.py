@@ -48,6 +48,6 @@ def write_title(title, width, height):
     ink = VERDICT_INKS.get(title.verdict, SOFT)
     return [
         Words(title.name, (0.018 * width, 0.045 * height), 15, INK, bold=True),
-        Words("   ".join(title.facts), (0.018 * width, 0.087 * height), 9.5, SOFT),
+        Words(" \u00b7 ".join(title.facts), (0.018 * width, 0.087 * height), 9.5, SOFT),
         Words(title.verdict.replace("_", " "), (0.982 * width, 0.045 * height), 12, ink, "rm", bold=True),
     ]

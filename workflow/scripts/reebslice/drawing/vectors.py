@@ -1,6 +1,7 @@
 """Pictures as SVG and PDF: the shaded body as pixels, lines, marks and words as such."""
 
 import io
+import itertools
 
 import matplotlib
 import numpy as np
@@ -45,20 +46,23 @@ def encode_vectors(canvas, form):
 
 
 def _draw_segments(axes, order, arguments):
-    """Groups of segments (k, 4), one over the other."""
+    """Groups of segments (k, 4), one over the other; neighbours that look the same go together."""
     groups, colours, widths, opacity = arguments
-    inks = np.broadcast_to(np.asarray(colours, float) / 255, (len(groups), 3))
-    thick = np.broadcast_to(np.asarray(widths, float), len(groups))
-    for group, ink, width in zip(groups, inks, thick):
-        pairs = np.reshape(group, (-1, 2, 2))
-        chained = len(pairs) > 1 and (pairs[1:, 0] == pairs[:-1, 1]).all()
-        lines = [np.vstack([pairs[:1, 0], pairs[:, 1]])] if chained else pairs
-        axes.add_collection(
-            LineCollection(
-                lines, colors=[(*ink, opacity)], linewidths=width, capstyle="round", joinstyle="round", zorder=order
-            ),
-            autolim=False,
-        )
+    inks = np.broadcast_to(np.asarray(colours, float) / 255, (len(groups), 3)).tolist()
+    thick = np.broadcast_to(np.asarray(widths, float), len(groups)).tolist()
+    for (ink, width), run in itertools.groupby(zip(groups, inks, thick), key=lambda drawn: drawn[1:]):
+        lines = LineCollection(
+            [line for group, *_ in run for line in _join_segments(group)],
+            colors=[(*ink, opacity)], linewidths=width, capstyle="round", joinstyle="round", zorder=order,
+        )  # fmt: skip
+        axes.add_collection(lines, autolim=False)
+
+
+def _join_segments(group):
+    """Lines (k, 2) of a group of segments: one where each begins at the end of that before."""
+    pairs = np.reshape(group, (-1, 2, 2))
+    chained = len(pairs) > 0 and (pairs[1:, 0] == pairs[:-1, 1]).all()
+    return [np.vstack([pairs[:1, 0], pairs[:, 1]])] if chained else list(pairs)
 
 
 def _draw_marks(axes, order, arguments):
