@@ -21,7 +21,7 @@ STEADY = 0.9
 # Steps of the search for one, each at most half as long as a radius.
 STEPS = 8
 # Levels to both sides over which a path is tried straight, one after the other.
-WINDOWS = (32, 8, 2, 1, 8, 2, 1)
+WINDOWS = (8, 2, 1)
 
 
 class Chains(NamedTuple):
