@@ -6,7 +6,8 @@ import pytest
 import certify
 import solids
 from corpus.storage import read_json, read_table
-from pipeline import run_stages
+from pipeline import TABLES, as_read, run_stages
+from reebslice.certification import certificate
 from reebslice.graphs.parts import GraphParts
 from reebslice.graphs.solid_nodes import embed_joints
 
@@ -68,6 +69,35 @@ def test_lengths_of_arcs_are_those_of_their_paths(tmp_path):
         path = np.vstack([nodes[row["source"]], points[row["nodes"]].reshape(-1, 3), nodes[row["target"]]])
         assert row["length"] == pytest.approx(np.linalg.norm(np.diff(path, axis=0), axis=1).sum(), rel=1e-12)
     assert len(arcs) > 2
+
+
+def test_a_node_that_lies_elsewhere_is_caught(tmp_path):
+    result = run_stages(SOLIDS["arch"], tmp_path, levels=LEVELS, nodes={"sampler": "inscribed"})
+    tables, tilt = {name: read_table(tmp_path / f"{name}.parquet", name) for name in TABLES}, result.tilt
+
+    def failures(change):
+        graph = result.graphs["solid"].copy()
+        change(next(data for _, data in graph.nodes(data=True) if "region" in data))
+        found = certificate.certify(tables, tilt, as_read(result.graphs | {"solid": graph}), 0.2)
+        failed = {name for name, check in found["checks"].items() if not check["holds"]}
+        return failed - {"solid_simplified.nodes"}  # whose nodes are those of the full graph
+
+    def to_region(region):
+        return dict(zip("xyz", (result.nodes[region][axis] for axis in "xyz"))) | {"region": region}
+
+    def beside(data):
+        handle = result.handles[data["handle"]]
+        return next(r for r in handle["regions_below"] + handle["regions_above"] if r != data["region"])
+
+    assert failures(lambda data: None) == set()
+    # beside its event, but not by the rule; far from it; at its vertex, on the surface; off every material point
+    assert failures(lambda data: data.update(to_region(beside(data)))) == {"solid.node_attributes"}
+    both = {"solid.node_attributes", "solid.nodes_inside"}
+    assert failures(lambda data: data.update(to_region(len(result.nodes) - 1))) == both
+    assert failures(lambda data: data.update({axis: data[f"vertex_{axis}"] for axis in "xyz"})) == both
+    assert failures(lambda data: data.update(x=data["x"] + 1e-3)) == both
+    assert failures(lambda data: data.update(region=10**6)) == both
+    assert failures(lambda data: data.pop("region")) == both
 
 
 def event(index, side, operation):

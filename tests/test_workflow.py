@@ -27,8 +27,9 @@ pytestmark = pytest.mark.skipif(bool(MISSING), reason=f"stages that are not writ
 
 OPTIONS = ("levels={distance: 0.2}", "tilt={mode: none}", "nodes={sampler: representative}", "draw={width: 300}")
 SCHEMA = yaml.safe_load((ROOT / "workflow/schemas/config.schema.yaml").read_text())
+# what the configuration can switch on
 EVERYTHING = ("view={pages: true}", "faces={find: true}", "pockets={cut: true}", "loops={draw: true}")
-EVERYTHING += ("colours={find: true}", "parts={find: true}")  # what the configuration can switch on
+EVERYTHING += ("colours={find: true}", "parts={find: true}", "draw={width: 200, figures: true}")
 OPTIONS += ("view={pages: false}", "faces={find: false}")  # of the stages aside, two
 GIVEN = {key: yaml.safe_load(value) for key, value in (option.split("=", 1) for option in OPTIONS)}
 CHOSEN = chosen_stages(check_config(GIVEN, SCHEMA))
