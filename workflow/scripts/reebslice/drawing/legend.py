@@ -4,7 +4,7 @@ import numpy as np
 
 from .canvas import Words, draw_lines, draw_marks, measure_text, rgb
 from .labels import scale_bar
-from .marks import INK, SOFT, group_marks, mark_style, ring_style
+from .marks import INK, LABELLED, SOFT, group_marks, mark_style, ring_style
 from .page_words import SIDE_WORDS, SYMBOLS
 
 # What happens at each operation and side as the height rises.
@@ -45,7 +45,7 @@ def draw_legend(canvas, marks):
     several = sum(mark.get("n_handles", 1) > 1 for mark in marks)
     if several:
         entries.append((f"ring: several events that share a node ({several:,})", ring_style(6)))
-    if any("vertex_x" in mark for mark in marks):
+    if len(marks) <= LABELLED and any("vertex_x" in mark for mark in marks):
         entries.append(("thin line: to the critical vertex of an event", None))
     rows = 2 if len(entries) <= 8 else 3  # beyond what fits in two
     words, unit, left = _explain_sides(canvas, marks, rows), canvas.unit, 0.018 * canvas.image.shape[1]

@@ -12,6 +12,7 @@ MARKS = {
     "": ("s", "#6B7280"),
 }
 INK, SOFT, FAR = "#1B1F24", "#5B6470", "#707885"
+LABELLED = 60  # nodes, beyond which they have no numbers, and no lines to their vertices
 CASED = 400  # arcs, beyond which lines cross without a white casing
 
 

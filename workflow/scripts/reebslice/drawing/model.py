@@ -115,7 +115,7 @@ def describe_graph(name, shown, nodes, size, unit):
     """
     if name != "solid_simplified":
         return f"Reeb graph of the {name}, {shown:,} nodes"
-    least = f" of {format_figure(size, unit)} and more" if size else ""
+    least = f" of {format_figure(float(f'{size:.3g}'), unit)} and more" if size else ""
     return f"Reeb graph of the solid, simplified: {shown:,} of {nodes:,} nodes, features{least}"
 
 

@@ -12,19 +12,18 @@ from typing import NamedTuple
 
 import numpy as np
 
-from .canvas import Words, draw_lines, draw_segments, new_canvas, rgb, write_words
+from .canvas import Words, draw_lines, draw_segments, measure_text, new_canvas, rgb, write_words
 from .embedded_graphs import find_vertices
 from .flat import Panel, draw_flat
 from .labels import spread_labels
 from .legend import draw_legend, draw_scale
-from .marks import CASED, FAR, INK, SOFT, draw_nodes, mark_size
+from .marks import CASED, FAR, INK, LABELLED, SOFT, draw_nodes, mark_size
 from .rasters import rasterize_mesh, widest_azimuth
 from .shading import shade_layers
 from .titles import write_title
 from .views import choose_elevation, fit_view, project_points, view_axes
 
 POINTS = (864, 518.4)  # size of the picture, in the points that words and lines are measured in
-LABELS = 60  # nodes, beyond which handles are not numbered
 
 
 class Body(NamedTuple):
@@ -115,10 +114,12 @@ def paint_model(canvas, title, body, graph, paths, options):
     marks = list(graph.nodes.values())
     spots, labels = draw_flat(canvas, flat, marks, seen, ends)
     words += draw_scale(canvas, view, corner[0] + 0.98 * view.width, corner[1] + 0.985 * view.height, title.unit)
-    for places in (seen, spots) if len(marks) <= LABELS else ():
+    for places in (seen, spots) if len(marks) <= LABELLED else ():
         numbers = [str(mark.get("handle", "")) for mark in marks]
         words += spread_labels(canvas, numbers, places, 6.5, SOFT, mark_size(len(marks)) / 2)
-    words += [Words(title.graph, (flat.left, flat.top - 12 * unit), 8.5, INK)] if title.graph else []
+    if title.graph:
+        size = 8.5 * min(1.0, flat.width / measure_text(canvas, title.graph, 8.5))
+        words.append(Words(title.graph, (flat.left, flat.top - 12 * unit), size, INK))
     write_words(canvas, words + labels + write_title(title, width, height) + draw_legend(canvas, marks))
     return canvas
 
@@ -188,7 +189,8 @@ def draw_in_body(canvas, corner, view, body, graph, paths):
         np.vstack([places[i], np.reshape(paths.get(facts.get("arc"), ()), (-1, 3)), places[j]])
         for (i, j), (_, _, facts) in zip(ends, graph.edges, strict=True)
     ]
-    _draw_leaders(canvas, corner, view, marks, places, rotation)
+    if len(marks) <= LABELLED:
+        _draw_leaders(canvas, corner, view, marks, places, rotation)
     _draw_arcs(canvas, corner, [project_points(line @ rotation.T, view) for line in lines])
     draw_nodes(canvas, marks, seen)
     return seen, ends
