@@ -1,5 +1,6 @@
 """What a picture shows and says: the graph, labels, scale, elevation, order; and figures as SVG and PDF."""
 
+import re
 from xml.etree import ElementTree
 
 import networkx as nx
@@ -14,14 +15,17 @@ import draw_figures
 import solids
 from corpus.storage import read_blocks, read_table
 from pipeline import run_stages
+from reebslice.drawing import loops, pockets
 from reebslice.drawing.canvas import Words, draw_lines, draw_marks, measure_text, new_canvas, rgb, write_words
 from reebslice.drawing.figures import choose_events
 from reebslice.drawing.flat import is_crowded, list_ranks
+from reebslice.drawing.glass import write_numbers
 from reebslice.drawing.labels import scale_bar, spread_labels
 from reebslice.drawing.marks import INK, MARKS
 from reebslice.drawing.model import READABLE, choose_graph, describe_graph, read_graph
 from reebslice.drawing.vectors import encode_vectors
-from reebslice.drawing.views import View, choose_elevation
+from reebslice.drawing.views import View, choose_elevation, project_points
+from reebslice.graphs.loops import find_loops
 from test_pictures import NO_POINTS, count_spots, draw_graph, handle
 
 # --------------------------------------------------------------------------
@@ -140,3 +144,48 @@ def test_a_canvas_that_keeps_strokes_draws_none():
     write_words(canvas, [Words("word & <sign>", (5, 5), 8, INK)])
     assert (canvas.image == 255).all() and [what for what, _ in canvas.strokes] == ["segments", "marks", "words"]
     assert b"word &amp; &lt;sign&gt;" in encode_vectors(canvas, "svg")
+
+
+# --------------------------------------------------------------------------
+# Numbers in pictures of loops and pockets
+
+
+def test_numbers_stand_beside_what_they_tell():
+    canvas, view = new_canvas(400, 400, 1.0)._replace(strokes=[]), View(np.eye(3), np.zeros(2), 40.0, 400, 400)
+    turns = np.linspace(0, 2 * np.pi, 7)[:-1]
+    ring = 0.1 * np.column_stack([np.cos(turns), np.sin(turns), 0 * turns])
+    middles = np.array([[-3, 2, 0], [0, -2.5, 1], [3, 3, 0], [2, -1, 0.5]], float)
+    write_numbers(canvas, view, [7, 3, 12, 0], [ring + middle for middle in middles])
+    (_, words), spots = canvas.strokes[0], project_points(middles, view)[:, :2]
+    assert [line.text for line in words[:4]] == ["7", "3", "12", "0"]
+    for line, spot in zip(words, spots):
+        distance = np.linalg.norm(spots - line.place, axis=1)
+        assert distance.min() == np.linalg.norm(spot - line.place) < 20
+    assert words[4].text == "numbers are rows of the table"
+    write_numbers(canvas, view, list(range(500)), [ring] * 500)
+    assert re.search(r"; no room for 4\d\d$", canvas.strokes[1][1][-1].text)
+
+
+def test_pockets_and_islands_are_numbered_as_their_tables_are(monkeypatch):
+    ball, told = solids.icosphere(1), []
+    monkeypatch.setattr(pockets, "write_numbers", lambda canvas, view, numbers, curves: told.append(numbers))
+    kinds = ["basin", "bell", "island", "sealed", "island"]
+    bodies = [(0.1 * ball.points + [0.3 * k, 0, 0], ball.faces) for k in range(5)]
+    pockets.draw_pockets("m", ball.points, ball.faces, bodies, kinds, {"width": 200})
+    assert told == [[0, 1, 0, 2, 1]]
+
+
+def test_paths_of_many_loops_are_not_drawn(monkeypatch):
+    ring, notes = solids.torus(), []
+    monkeypatch.setattr(loops, "write_numbers", lambda *arguments: notes.append(arguments[-1]))
+    found, drawn = find_loops(ring.points, ring.faces), []
+    for count in (1, loops.MOST_PATHS + 1):
+        many = found._replace(
+            kind=np.repeat(found.kind[:1], count),
+            circles=[found.circles[0]] * count,
+            paths=found.paths._replace(
+                start=np.arange(count + 1) * (found.paths.start[1]), member=np.tile(found.paths.member, count)
+            ),
+        )
+        drawn.append(loops.draw_loops("m", ring.points, ring.faces, many, {"width": 200}))
+    assert notes[0] == "" and notes[1].endswith("are not drawn") and (drawn[0] != drawn[1]).any()
