@@ -83,7 +83,7 @@ def write_numbers(canvas, view, numbers, curves, note=""):
     width = canvas.image.shape[1]
     left = len(curves) - len(words)
     told = "numbers are rows of the table" + (f"; no room for {left:,}" if left else "") + note
-    words.append(Words(told, (0.04 * width, 0.085 * width), 8.5, SOFT))
+    words += [Words(told, (0.04 * width, 0.085 * width), 8.5, SOFT)] if len(curves) else []
     write_words(canvas, words)
 
 
