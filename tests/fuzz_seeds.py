@@ -115,9 +115,15 @@ def mesh_files():
 
 def graph_files():
     """GraphML of two small graphs."""
-    nodes = {"0": {"x": 0.5, "side": "A"}, "1": {"x": 1.5, "side": "B<&>"}, "2": {"x": -1e300, "flag": True}}
-    edges = [("0", "1", {"id": "e0", "level": 3}), ("0", "1", {"id": "e1", "level": 4}), ("1", "2", {"id": "e2"})]
-    return [graphml_text(Graph(nodes, edges)).encode(), graphml_text(Graph({"0": {"x": 1.0}}, [])).encode()]
+    rows = ((0.5, "A", True), (1.5, "B<&>", False), (-1e300, "", True))
+    nodes = {str(k): {"x": x, "side": side, "flag": flag} for k, (x, side, flag) in enumerate(rows)}
+    edges = [
+        ("0", "1", {"id": "e0", "level": 3}),
+        ("0", "1", {"id": "e1", "level": 4}),
+        ("1", "2", {"id": "e2", "level": -1}),
+    ]
+    graphs = Graph(nodes, edges), Graph({"0": {"x": float("nan")}}, [])
+    return [graphml_text(graph, "solid", {"model": "a & b", "z": 1.0}).encode() for graph in graphs]
 
 
 def table(name, rows=5):
