@@ -14,7 +14,7 @@ from corpus.storage import GEOPARQUET, TABLE, VERSION
 from gltf_files import BOX, CORNERS, UBYTE, Builder, pack_glb, skinned
 from mesh_writers import obj_text, off_text, ply_bytes, stl_bytes, stl_text
 from reebslice.formats.graphml import Graph, graphml_text
-from reebslice.schemas import FORMAT_VERSION, SCHEMAS
+from reebslice.schemas import FORMAT_VERSION, SCHEMAS, file_schema
 from threemf_files import ROOT, box, group, model_xml, relationships
 
 POINTS = np.array(CORNERS, float)
@@ -136,7 +136,7 @@ def table(name, rows=5):
         pa.string(): lambda k: f"word {k}",
         pa.binary(): lambda k: LOOP,
     }
-    schema = SCHEMAS.get(name, STATUS_SCHEMA)
+    schema = file_schema(name) if name in SCHEMAS else STATUS_SCHEMA
     columns = []
     for field in schema:
         one = make.get(field.type) or (lambda k, of=field.type: [k] * (k % 3) if pa.types.is_list(of) else None)

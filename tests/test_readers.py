@@ -73,7 +73,7 @@ def test_rows_that_differ_in_their_attributes_are_no_graphml():
 
 @pytest.mark.parametrize("name", GRAPHS)
 def test_no_node_or_edge_lacks_an_attribute(torus, name):
-    """By the text itself: one key per attribute, a value for each at every node and edge, spelled as XML Schema has it."""
+    """By the text itself: one key per attribute, a value at every node and edge, spelled as XML Schema has it."""
     root = ElementTree.parse(torus / f"{name}.graphml").getroot()
     keys = {scope: [] for scope in ("graph", "node", "edge")}
     kinds = {}
@@ -92,7 +92,7 @@ def test_no_node_or_edge_lacks_an_attribute(torus, name):
                 assert value.text == "NaN" or spelled == spelled
                 seen += 1
     assert seen > 20
-    assert {k for k in kinds.values()} <= set(TYPES.values())
+    assert set(kinds.values()) <= set(TYPES.values())
 
 
 @pytest.mark.parametrize("name", GRAPHS)

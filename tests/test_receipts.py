@@ -272,7 +272,8 @@ def test_what_was_made_of_an_altered_file_goes_with_it(finished):
     forged = file("a", "vertices.parquet")
     key = read_receipt(MODELS_FOLDER / "a", "inspect_mesh")["key"]
     size = forged.stat().st_size
-    keeping_times(forged, lambda path: write_table(path, "vertices", vertices(7.0, 8.0, 9.0), key=key))
+    with content_key(key, model="a"):
+        keeping_times(forged, lambda path: write_table(path, "vertices", vertices(7.0, 8.0, 9.0)))
     assert forged.stat().st_size == size
     receipts.forget_stage(["a"], "select_tilt")
     run_all()

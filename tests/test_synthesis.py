@@ -1,6 +1,5 @@
 """Nodes, similarity, links and graphs against mathematics."""
 
-import igraph
 import networkx as nx
 import numpy as np
 import pyarrow as pa
@@ -12,7 +11,6 @@ import solids
 from pipeline import run_stages
 from reebslice.arrays.components import connected_items
 from reebslice.errors import ReebsliceError
-from reebslice.formats.graphml import Graph, graphml_text
 from reebslice.formats.wkb import pack_curves, unpack_curves
 from reebslice.graphs.arcs import trace_arcs
 from reebslice.graphs.nodes import inscribed_points, steady_points
@@ -23,7 +21,6 @@ from reebslice.planar.curves import curve_centres
 from reebslice.planar.distances import clearances
 from reebslice.planar.outlines import find_outlines, mend_outlines, outline_areas, outline_polygons
 from reebslice.planar.shared_areas import shared_areas
-from reebslice.schemas import GRAPHS
 
 
 def box(x, y, width, depth=1.0):

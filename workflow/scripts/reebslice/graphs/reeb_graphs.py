@@ -11,7 +11,7 @@ from .simplification import simplify_graph
 
 JOINT_COLUMNS = ("handle", "x", "y", "z", "height", "index", "side", "operation", "change", "branches", "n_handles")
 POINT_COLUMNS = ("node", "level", "region", "x", "y", "z", "height", "critical", "area", "inscribed_radius", "n_holes")
-# What stands for an attribute that a node or edge does not have: GraphML holds no nulls, and many a reader takes no gaps.
+# What stands for an attribute that a node or edge does not have: GraphML holds no nulls, and readers refuse gaps.
 WORDS = ("side", "operation", "change")
 WHOLE = ("handle", "index", "n_handles", "node", "level", "region", "n_holes")
 ABSENT = dict.fromkeys(WORDS, "") | dict.fromkeys(WHOLE, -1)

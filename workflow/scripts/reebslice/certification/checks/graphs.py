@@ -70,7 +70,7 @@ def _rows(table, columns):
 
 
 def _hold(data, expected):
-    """Whether attributes are as expected, as GraphML tells them: what is absent is "", -1 or NaN, and never left out."""
+    """Whether attributes are as expected, as GraphML has them: what is absent is "", -1 or NaN, and never left out."""
     return all(name in data and _same(data[name], value) for name, value in expected.items())
 
 
