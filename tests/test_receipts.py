@@ -14,7 +14,7 @@ import pytest
 
 from corpus import receipts, stages, whole_files
 from corpus.companions import digest_mesh
-from corpus.layout import MODELS_FOLDER, MODELS_TABLE, STAGES, STATUS_FOLDER, STATUS_SCHEMA
+from corpus.layout import MODELS_FOLDER, MODELS_TABLE, MODELS_TEXT, STAGES, STATUS_FOLDER, STATUS_SCHEMA
 from corpus.promises import find_broken_promises
 from corpus.receipts import read_receipt, receipt_name, seal_table, write_receipt
 from corpus.stages import Rejected
@@ -117,7 +117,8 @@ def run_all(**keywords):
             rows = run_job(stage)
     if due or not MODELS_TABLE.exists():
         write_parquet(MODELS_TABLE, pa.table({"model": MODELS}))
-        seal_table(MODELS_TABLE)
+        MODELS_TEXT.write_text("model\n")
+        seal_table(MODELS_TABLE, MODELS_TEXT)
     return rows
 
 
@@ -232,6 +233,12 @@ def test_a_status_table_with_other_rows_is_noticed(finished, changed):
 @pytest.mark.parametrize("change", [append, truncate, zero, flip])
 def test_an_altered_table_of_models_is_noticed(finished, change):
     keeping_times(MODELS_TABLE, change)
+    assert broken() == [str(MODELS_TABLE)]
+
+
+def test_the_text_of_the_table_of_models_is_held_as_well(finished):
+    assert broken() == []
+    MODELS_TEXT.write_text("model\na\n")
     assert broken() == [str(MODELS_TABLE)]
 
 

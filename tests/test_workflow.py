@@ -10,6 +10,7 @@ import subprocess
 import sys
 from pathlib import Path
 
+import pandas as pd
 import pyarrow.parquet as pq
 import pytest
 import yaml
@@ -150,6 +151,13 @@ def test_a_run_leaves_every_file_and_says_how_it_went(finished):
     assert set(stamps(folder, "torn")) == {"inspection.json", receipt_name("inspect_mesh")}
     lines = said.splitlines()
     assert len(lines) < 40
+    text = pd.read_csv(folder / "results/corpus/models.csv", keep_default_na=False)
+    table = pq.read_table(folder / "results/corpus/models.parquet")
+    assert list(text.columns) == table.column_names
+    assert (
+        text[["model", "status", "reason"]].to_dict("records")
+        == table.select(["model", "status", "reason"]).to_pylist()
+    )
     end = lines.index("3 models: 2 exact, 1 rejected")
     assert lines[end - 1] == "100%  3 of 3 models done"
     assert lines[end + 1] == "What needs a look:" and lines[end + 2].startswith("  torn: rejected: ")

@@ -28,11 +28,12 @@ VERSION = b"reebslice:format_version"
 # GeoParquet 1.1; the coordinates are those of the tilted frame, in the units
 # of the mesh, so there is no coordinate reference system to name.
 GEOPARQUET = {
-    "contours": {
+    name: {
         "version": "1.1.0",
         "primary_column": "geometry",
-        "columns": {"geometry": {"encoding": "WKB", "geometry_types": ["LineString"], "crs": None, "edges": "planar"}},
+        "columns": {"geometry": {"encoding": "WKB", "geometry_types": types, "crs": None, "edges": "planar"}},
     }
+    for name, types in (("contours", ["LineString"]), ("regions", ["Polygon", "MultiPolygon"]))
 }
 
 # Of columns of numbers the bytes of equal weight are laid side by side, or the

@@ -46,12 +46,10 @@ def read_graph(path):
     Returns
     -------
     Graph
-        As the workflow wrote it, without numbers that are unknown there.
+        As the workflow wrote it.
     """
     read = parse_graph(path.read_bytes())
-    return Graph(
-        read.nodes, [(low, high, {n: v for n, v in row.items() if v == v}) for low, high, _, row in read.edges]
-    )
+    return Graph(read.nodes, [(low, high, facts) for low, high, _, facts in read.edges])
 
 
 def stack_columns(table, names):
