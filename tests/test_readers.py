@@ -3,6 +3,8 @@
 import base64
 import json
 import math
+import re
+from pathlib import Path
 from xml.etree import ElementTree
 
 import geopandas
@@ -22,6 +24,8 @@ from reebslice.formats.graphml import TYPES, Graph, graphml_text
 from reebslice.formats.swc import swc_text
 from reebslice.graphs.spanning_trees import span_forest
 from reebslice.schemas import GRAPHS
+
+ROOT = Path(__file__).parent.parent
 
 
 @pytest.fixture(scope="module")
@@ -333,3 +337,13 @@ def test_the_same_model_makes_the_same_files(exported, tmp_path):
         export_model.main(exported / "plate", tmp_path, {"method": "exact"})
     for name in export_model.OUTPUTS:
         assert (tmp_path / name).read_bytes() == (exported / "plate" / name).read_bytes()
+
+
+def test_the_versions_that_the_docs_tell_are_those_of_the_script():
+    script, page = ((ROOT / path).read_text() for path in ("tests/readers/read_outputs.py", "docs/readers.md"))
+    pins = re.findall(r'"(?:@xmldom/)?([\w-]+)(?:==|@)([\d.]+)"', script)
+    told = {name: version for name, version in pins if name not in ("xmldom", "networkx")}
+    assert len(told) == 10
+    for name, version in told.items():
+        assert version in page, name
+    assert re.search(r'BOOST = "([\d.]+)', script)[1] in page

@@ -29,7 +29,7 @@ pytestmark = pytest.mark.skipif(bool(MISSING), reason=f"stages that are not writ
 OPTIONS = ("levels={distance: 0.2}", "tilt={mode: none}", "nodes={sampler: representative}", "draw={width: 300}")
 SCHEMA = yaml.safe_load((ROOT / "workflow/schemas/config.schema.yaml").read_text())
 EVERYTHING = ("view={pages: true}", "faces={find: true}", "pockets={cut: true}", "loops={draw: true}")
-EVERYTHING += ("colours={find: true}", "parts={find: true}")  # what the configuration can switch on
+EVERYTHING += ("colours={find: true}", "parts={find: true}", "export={files: true}")  # what can be switched on
 OPTIONS += ("view={pages: false}", "faces={find: false}")  # of the stages aside, two
 GIVEN = {key: yaml.safe_load(value) for key, value in (option.split("=", 1) for option in OPTIONS)}
 CHOSEN = chosen_stages(check_config(GIVEN, SCHEMA))
