@@ -1,6 +1,7 @@
 # make run     the workflow on data/meshes, which is filled with examples if it is empty
 # make test    the tests
 # make test-faults ROUNDS=300    runs that are killed, starved and meddled with, held against undisturbed ones
+# make test-readers    the files of a model, read by programs too heavy for the tests (docs/readers.md)
 # make check   the graphs in results/, held against their meshes by check.py (docs/theorem.md)
 # make docs    the documentation as pages for a browser, build/docs/index.html; its examples run, and any warning is an error
 # make lint    what holds of the text of the code: format, rules, types, imports between rooms
@@ -21,7 +22,7 @@ VENV := .venv
 BIN := $(VENV)/bin
 READY := $(VENV)/.ready
 
-.PHONY: run test test-faults lint docs tables lock clean check audit fuzz test-slurm
+.PHONY: run test test-faults test-readers lint docs tables lock clean check audit fuzz test-slurm
 
 run: $(READY) data/meshes
 	$(BIN)/snakemake --cores $(CORES)
@@ -32,6 +33,9 @@ test: $(READY)
 
 test-faults: $(READY)
 	$(BIN)/python tests/faults.py $(ROUNDS)
+
+test-readers: $(READY)
+	PYTHONPATH=tests:workflow/scripts $(BIN)/python tests/readers/read_outputs.py
 
 check: $(READY)
 	$(BIN)/python check.py results

@@ -25,7 +25,7 @@ COLUMNS = {
 CHANGES = "->o ->i o-> i-> o,o->o i,o->i o->i,o i->i,i o->o,o i->i,o i,o->o i,i->i".split()
 SIDES = dict(zip(CHANGES, "ABBAAAAABBBB"))
 OPERATIONS = {(0, 1): "creation", (1, 0): "annihilation", (2, 1): "union", (1, 2): "separation"}
-TYPES = {"long": int, "double": float, "string": str, "boolean": {"True": True, "False": False}.__getitem__}
+TYPES = {"long": int, "double": float, "string": str}
 
 
 def need(holds, says):

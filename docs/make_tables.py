@@ -10,14 +10,15 @@ from pathlib import Path
 ROOT = Path(__file__).parents[1]
 sys.path.insert(0, str(ROOT / "workflow" / "scripts"))
 
-from reebslice.schemas import EVENTS, SCHEMAS
+from reebslice.schemas import EVENTS, SCHEMAS, file_schema
 
 PAGE = ROOT / "docs" / "tables.md"
 HEAD = """# Tables
 
 Made by `make tables` from `workflow/scripts/reebslice/schemas.py`; the same descriptions are in the metadata of the
 Parquet fields. The unit `mesh` is the length unit of the mesh file: `unit` in `inspection.json` names it where the
-format has one. Ids are int32, lengths and heights float64.
+format has one. Ids are int32, lengths and heights float64. Ids are those of one model: over many models the key of a
+row begins with `model`, the first column of every table.
 
 Two frames: `x`, `y`, `z` are always in the frame of the mesh file (the model frame); `geometry` of the contours is in
 the tilted frame, in which the height is the third coordinate (`rotation` in `tilt.json` leads there). `height` is the
@@ -33,7 +34,8 @@ def make_page():
     for change, (side, index, *steps, operation) in EVENTS.items():
         told = " | ".join(f"{step:+d}" if step else "0" for step in steps)
         lines.append(f"| `{change}` | {side} | {index} | {told} | {operation} |")
-    for name, schema in SCHEMAS.items():
+    for name in SCHEMAS:
+        schema = file_schema(name)
         key, says = (schema.metadata[word].decode() for word in (b"reebslice:primary_key", b"description"))
         where = "results/corpus/comparison.parquet" if name == "comparison" else f"{name}.parquet"
         where += "`, and all in `results/corpus/directions.parquet" if name == "directions" else ""

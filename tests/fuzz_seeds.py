@@ -14,7 +14,7 @@ from corpus.storage import GEOPARQUET, TABLE, VERSION
 from gltf_files import BOX, CORNERS, UBYTE, Builder, pack_glb, skinned
 from mesh_writers import obj_text, off_text, ply_bytes, stl_bytes, stl_text
 from reebslice.formats.graphml import Graph, graphml_text
-from reebslice.schemas import FORMAT_VERSION, SCHEMAS
+from reebslice.schemas import FORMAT_VERSION, SCHEMAS, file_schema
 from threemf_files import ROOT, box, group, model_xml, relationships
 
 POINTS = np.array(CORNERS, float)
@@ -115,9 +115,15 @@ def mesh_files():
 
 def graph_files():
     """GraphML of two small graphs."""
-    nodes = {"0": {"x": 0.5, "side": "A"}, "1": {"x": 1.5, "side": "B<&>"}, "2": {"x": -1e300, "flag": True}}
-    edges = [("0", "1", {"id": "e0", "level": 3}), ("0", "1", {"id": "e1", "level": 4}), ("1", "2", {"id": "e2"})]
-    return [graphml_text(Graph(nodes, edges)).encode(), graphml_text(Graph({"0": {"x": 1.0}}, [])).encode()]
+    rows = ((0.5, "A", True), (1.5, "B<&>", False), (-1e300, "", True))
+    nodes = {str(k): {"x": x, "side": side, "flag": flag} for k, (x, side, flag) in enumerate(rows)}
+    edges = [
+        ("0", "1", {"id": "e0", "level": 3}),
+        ("0", "1", {"id": "e1", "level": 4}),
+        ("1", "2", {"id": "e2", "level": -1}),
+    ]
+    graphs = Graph(nodes, edges), Graph({"0": {"x": float("nan")}}, [])
+    return [graphml_text(graph, "solid", {"model": "a & b", "z": 1.0}).encode() for graph in graphs]
 
 
 def table(name, rows=5):
@@ -130,7 +136,7 @@ def table(name, rows=5):
         pa.string(): lambda k: f"word {k}",
         pa.binary(): lambda k: LOOP,
     }
-    schema = SCHEMAS.get(name, STATUS_SCHEMA)
+    schema = file_schema(name) if name in SCHEMAS else STATUS_SCHEMA
     columns = []
     for field in schema:
         one = make.get(field.type) or (lambda k, of=field.type: [k] * (k % 3) if pa.types.is_list(of) else None)

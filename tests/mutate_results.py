@@ -60,7 +60,8 @@ def read_model(folder, without=()):
 
 def mesh_graphs(folder):
     """Arcs of both exact graphs of the mesh in a folder, as the library computes them, or why there are none."""
-    points, faces = (pq.read_table(folder / f"{name}.parquet").to_pandas().to_numpy() for name in ("vertices", "faces"))
+    tables = (pq.read_table(folder / f"{name}.parquet").drop_columns("model") for name in ("vertices", "faces"))
+    points, faces = (table.to_pandas().to_numpy() for table in tables)
     body = np.zeros(len(points), int)
     rotation = np.array(json.loads((folder / "tilt.json").read_text())["rotation"])
     # as check.py does, of a rotation that is none, too: the tilted points are turned no further

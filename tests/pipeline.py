@@ -96,8 +96,14 @@ def run_stages(solid, folder, **sections):
 
 def as_read(graphs):
     """MultiGraphs by name as the certifier reads them; what is none stays as it is."""
+
+    def told(graph):
+        return {name: value for name, value in graph.graph.items() if not name.endswith("_default")}
+
     return {
-        name: ReadGraph(dict(g.nodes(data=True)), list(g.edges(keys=True, data=True))) if g.is_multigraph() else g
+        name: ReadGraph(dict(g.nodes(data=True)), list(g.edges(keys=True, data=True)), told(g))
+        if g.is_multigraph()
+        else g
         for name, g in graphs.items()
     }
 

@@ -171,7 +171,7 @@ def another(value, field):
     if isinstance(value, int):
         return value + 1
     if isinstance(value, float):
-        return value * 1.001 + 1.3e-3
+        return value * 1.001 + 1.3e-3 if value == value else 1.0
     if isinstance(value, bytes):
         curve = shapely.from_wkb(value)
         return shapely.to_wkb(shapely.transform(curve, lambda points: points + [1e-3, 0.0]))
@@ -517,7 +517,7 @@ def test_graphs_are_read_as_networkx_reads_them(name, tmp_path):
     nx.write_graphml(graphs[name], tmp_path / "graph.graphml", edge_id_from_attribute="id")
     found = parse_graph((tmp_path / "graph.graphml").read_bytes())
     expected = as_read({name: nx.read_graphml(tmp_path / "graph.graphml", force_multigraph=True)})[name]
-    assert found == expected and len(found.nodes) > 3
+    assert repr(found) == repr(expected) and len(found.nodes) > 3  # NaN included
     types = [[type(value) for value in data.values()] for graph in (found, expected) for data in graph.nodes.values()]
     assert types[: len(found.nodes)] == types[len(found.nodes) :]
 

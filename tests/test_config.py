@@ -27,8 +27,8 @@ SCHEMA = yaml.safe_load((ROOT / "workflow" / "schemas" / "config.schema.yaml").r
 SECTIONS = pipeline.STAGES | {
     "certify": "levels", "draw": "draw", "view": "view", "find_pockets": "pockets", "find_loops": "loops",
     "cut_pockets": "draw", "draw_loops": "draw", "draw_figures": "draw", "label_faces": "faces",
-    "colour_faces": "colours",
-    "decompose_solid": "parts", "compare_links": "compare", "rate_directions": "directions",
+    "colour_faces": "colours", "decompose_solid": "parts", "export_model": "export", "compare_links": "compare",
+    "rate_directions": "directions",
 }  # fmt: skip
 SHIPPED = yaml.safe_load((ROOT / "config" / "config.yaml").read_text())
 
@@ -235,7 +235,7 @@ def test_a_configuration_that_is_accepted_fails_no_model(given_config):
     assume(levels["distance"] > 1e-3 or levels["distance"] < 1e-9)  # not so many levels that they take long
     options = {stage: config.get(section, {}) for stage, section in SECTIONS.items()}
     options["synthesize_edges"] = config["edges"] | {"levels": levels}
-    for stage in ("label_faces", "colour_faces", "decompose_solid"):
+    for stage in ("label_faces", "colour_faces", "decompose_solid", "export_model"):
         options[stage] = options[stage] | config["edges"]
     with TemporaryDirectory() as folder:
         folder = Path(folder)

@@ -14,7 +14,7 @@ import pytest
 
 from corpus import receipts, stages, whole_files
 from corpus.companions import digest_mesh
-from corpus.layout import MODELS_FOLDER, MODELS_TABLE, STAGES, STATUS_FOLDER, STATUS_SCHEMA
+from corpus.layout import MODELS_FOLDER, MODELS_TABLE, MODELS_TEXT, STAGES, STATUS_FOLDER, STATUS_SCHEMA
 from corpus.promises import find_broken_promises
 from corpus.receipts import read_receipt, receipt_name, seal_table, write_receipt
 from corpus.stages import Rejected
@@ -117,7 +117,8 @@ def run_all(**keywords):
             rows = run_job(stage)
     if due or not MODELS_TABLE.exists():
         write_parquet(MODELS_TABLE, pa.table({"model": MODELS}))
-        seal_table(MODELS_TABLE)
+        MODELS_TEXT.write_text("model\n")
+        seal_table(MODELS_TABLE, MODELS_TEXT)
     return rows
 
 
@@ -235,6 +236,12 @@ def test_an_altered_table_of_models_is_noticed(finished, change):
     assert broken() == [str(MODELS_TABLE)]
 
 
+def test_the_text_of_the_table_of_models_is_held_as_well(finished):
+    assert broken() == []
+    MODELS_TEXT.write_text("model\na\n")
+    assert broken() == [str(MODELS_TABLE)]
+
+
 def test_a_file_that_returns_to_a_rejected_model_is_taken_away(finished):
     shutil.copy2(file("a", "tilt.json"), file("c", "tilt.json"))
     assert broken() == [str(status_table("select_tilt"))]
@@ -272,7 +279,8 @@ def test_what_was_made_of_an_altered_file_goes_with_it(finished):
     forged = file("a", "vertices.parquet")
     key = read_receipt(MODELS_FOLDER / "a", "inspect_mesh")["key"]
     size = forged.stat().st_size
-    keeping_times(forged, lambda path: write_table(path, "vertices", vertices(7.0, 8.0, 9.0), key=key))
+    with content_key(key, model="a"):
+        keeping_times(forged, lambda path: write_table(path, "vertices", vertices(7.0, 8.0, 9.0)))
     assert forged.stat().st_size == size
     receipts.forget_stage(["a"], "select_tilt")
     run_all()

@@ -7,12 +7,22 @@ from pathlib import Path
 
 import geopandas
 import numpy as np
+import pandas as pd
 import pyarrow as pa
 import pyarrow.parquet as pq
 import pytest
 import shapely
 
-from corpus.storage import content_key, read_json, read_key, read_table, write_json, write_parquet, write_table
+from corpus.storage import (
+    AlteredFileError,
+    content_key,
+    read_json,
+    read_key,
+    read_table,
+    write_json,
+    write_parquet,
+    write_table,
+)
 from reebslice.schemas import FORMAT_VERSION, SCHEMAS
 from reebslice.table_checks import build_table
 
@@ -48,6 +58,34 @@ def test_table_comes_back_equal_with_key_and_units(tmp_path):
     assert schema.metadata[b"reebslice:table"] == b"nodes"
     assert schema.metadata[b"reebslice:format_version"] == FORMAT_VERSION.encode()
     assert schema.field("x").metadata[b"unit"] == b"mesh"
+
+
+def test_tables_of_many_models_are_put_together_and_told_apart(tmp_path):
+    for model in ("a", "b"):
+        with content_key("k", model=model):
+            write_table(tmp_path / f"{model}.parquet", "nodes", nodes_table())
+    whole = pd.concat(pd.read_parquet(tmp_path / f"{model}.parquet") for model in "ab")
+    assert list(whole.columns) == ["model", *SCHEMAS["nodes"].names]
+    assert whole["model"].tolist() == ["a", "a", "b", "b"] and whole["node"].tolist() == [0, 1, 0, 1]
+    assert pq.read_schema(tmp_path / "a.parquet").metadata[b"reebslice:primary_key"] == b"model, node"
+    with content_key("new", model="a"):
+        assert read_table(tmp_path / "a.parquet", "nodes").equals(nodes_table())
+        with pytest.raises(AlteredFileError, match="another model than 'a'"):
+            read_table(tmp_path / "b.parquet", "nodes")
+    table = pq.read_table(tmp_path / "a.parquet")
+    pq.write_table(table.drop_columns("model"), tmp_path / "a.parquet")
+    with pytest.raises(AlteredFileError, match="first column is not model"):
+        read_table(tmp_path / "a.parquet", "nodes")
+
+
+@pytest.mark.parametrize("rows", [0, 1, 2**20, 2**20 + 3])
+def test_every_row_tells_the_model(tmp_path, rows):
+    columns = dict.fromkeys("xyz", np.arange(rows, dtype=float))
+    with content_key("k", model="a & ü"):
+        write_table(tmp_path / "vertices.parquet", "vertices", build_table("vertices", columns))
+        assert len(read_table(tmp_path / "vertices.parquet", "vertices")) == rows
+    found = pq.read_table(tmp_path / "vertices.parquet")["model"]
+    assert len(found) == rows and set(found.unique().to_pylist()) == ({"a & ü"} if rows else set())
 
 
 def test_units_survive_operations_that_drop_them(tmp_path):

@@ -1,6 +1,5 @@
 """Nodes, similarity, links and graphs against mathematics."""
 
-import igraph
 import networkx as nx
 import numpy as np
 import pyarrow as pa
@@ -12,7 +11,6 @@ import solids
 from pipeline import run_stages
 from reebslice.arrays.components import connected_items
 from reebslice.errors import ReebsliceError
-from reebslice.formats.graphml import Graph, graphml_text
 from reebslice.formats.wkb import pack_curves, unpack_curves
 from reebslice.graphs.arcs import trace_arcs
 from reebslice.graphs.nodes import inscribed_points
@@ -24,7 +22,6 @@ from reebslice.planar.curves import curve_centres
 from reebslice.planar.distances import clearances
 from reebslice.planar.outlines import find_outlines, mend_outlines, outline_areas, outline_polygons
 from reebslice.planar.shared_areas import shared_areas
-from reebslice.schemas import GRAPHS
 
 
 def box(x, y, width, depth=1.0):
@@ -308,38 +305,6 @@ def test_the_augmented_graph_subdivides_the_solid_graph(tmp_path):
     assert all(augmented.degree(point) == 2 for point in points)
     assert reference.count_loops(augmented) == reference.count_loops(solid)
     assert nx.number_connected_components(augmented) == nx.number_connected_components(solid)
-
-
-@pytest.mark.filterwarnings("ignore:Could not add edge ids")  # it keeps the attribute, as it should
-@pytest.mark.parametrize("name", GRAPHS)
-def test_igraph_reads_the_same_multigraph(tmp_path, name):
-    torus = solids.torus(upright=name != "void")  # of the loops of its surface, one is the solid's or the void's
-    result = run_stages(torus, tmp_path, levels={"distance": 0.2})
-    graph, read = result.graphs[name], igraph.Graph.Read_GraphML(str(tmp_path / f"{name}.graphml"))
-    assert not read.is_directed() and read.vs["id"] == list(graph)
-    ends = [frozenset(read.vs[end]["id"] for end in edge.tuple) for edge in read.es]
-    assert dict(zip(read.es["id"], ends)) == {key: frozenset((a, b)) for a, b, key in graph.edges(keys=True)}
-    if name != "augmented":
-        assert len(set(ends)) < len(ends), "the two arcs of the loop join the same nodes"
-    assert read.vs["height"] == [data["height"] for _, data in graph.nodes(data=True)]
-
-
-def test_graphml_is_what_networkx_writes(tmp_path):
-    random = np.random.default_rng(11)
-    for _ in range(40):
-        names = [f"h{k}" for k in random.permutation(9)[: random.integers(1, 9)]]
-        optional = {"x": -1.5e-17, "word": "o,o->o & <é>", "index": 2, "flag": True, "none": ""}
-
-        def pick(optional=optional):
-            return {k: v for k, v in optional.items() if random.random() < 0.7}
-
-        nodes = {name: {"height": float(random.normal())} | pick() for name in names}
-        edges = [(*random.choice(names, 2).tolist(), {"id": f"e{k}"} | pick()) for k in range(random.integers(0, 14))]
-        graph = nx.MultiGraph()
-        graph.add_nodes_from(nodes.items())
-        graph.add_edges_from((low, high, row["id"], row) for low, high, row in edges)
-        nx.write_graphml(graph, tmp_path / "graph.graphml", edge_id_from_attribute="id")
-        assert graphml_text(Graph(nodes, edges)) == (tmp_path / "graph.graphml").read_text(encoding="utf-8")
 
 
 def test_curves_are_packed_as_well_known_binary():

@@ -242,9 +242,9 @@ def test_textbook_solids_have_the_void_that_they_should(solid, nodes, loops, tmp
 
 
 def events(graph):
-    """Nodes that are handles, without the count of what they stand for."""
+    """Nodes that are handles, without what is about the void: the count of what they stand for, that they branch."""
     return [
-        (node, {k: v for k, v in data.items() if k != "n_handles"})
+        (node, {k: v for k, v in data.items() if k not in ("n_handles", "branches")})
         for node, data in graph.nodes(data=True)
         if node[0] == "h"
     ]

@@ -10,6 +10,7 @@ import subprocess
 import sys
 from pathlib import Path
 
+import pandas as pd
 import pyarrow.parquet as pq
 import pytest
 import yaml
@@ -29,7 +30,7 @@ OPTIONS = ("levels={distance: 0.2}", "tilt={mode: none}", "nodes={sampler: repre
 SCHEMA = yaml.safe_load((ROOT / "workflow/schemas/config.schema.yaml").read_text())
 # what the configuration can switch on
 EVERYTHING = ("view={pages: true}", "faces={find: true}", "pockets={cut: true}", "loops={draw: true}")
-EVERYTHING += ("colours={find: true}", "parts={find: true}", "draw={width: 200, figures: true}")
+EVERYTHING += ("colours={find: true}", "parts={find: true}", "draw={width: 200, figures: true}", "export={files: true}")
 OPTIONS += ("view={pages: false}", "faces={find: false}")  # of the stages aside, two
 GIVEN = {key: yaml.safe_load(value) for key, value in (option.split("=", 1) for option in OPTIONS)}
 CHOSEN = chosen_stages(check_config(GIVEN, SCHEMA))
@@ -151,6 +152,13 @@ def test_a_run_leaves_every_file_and_says_how_it_went(finished):
     assert set(stamps(folder, "torn")) == {"inspection.json", receipt_name("inspect_mesh")}
     lines = said.splitlines()
     assert len(lines) < 40
+    text = pd.read_csv(folder / "results/corpus/models.csv", keep_default_na=False)
+    table = pq.read_table(folder / "results/corpus/models.parquet")
+    assert list(text.columns) == table.column_names
+    assert (
+        text[["model", "status", "reason"]].to_dict("records")
+        == table.select(["model", "status", "reason"]).to_pylist()
+    )
     end = lines.index("3 models: 2 exact, 1 rejected")
     assert lines[end - 1] == "100%  3 of 3 models done"
     assert lines[end + 1] == "What needs a look:" and lines[end + 2].startswith("  torn: rejected: ")

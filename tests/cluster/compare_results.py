@@ -8,6 +8,7 @@ models are compared row by row, since runs may have other batches. Logs and
 benchmarks are no results.
 """
 
+import csv
 import json
 import sys
 from pathlib import Path
@@ -40,6 +41,8 @@ def _content(path):
     """Return what has to be equal of a file."""
     if path.name == "models.parquet":
         return [_without_measured(row) for row in pq.read_table(path).to_pylist()]
+    if path.name == "models.csv":
+        return [_without_measured(row) for row in csv.DictReader(path.read_text().splitlines())]
     if path.name.startswith(".") and path.suffix == ".json":
         receipt = json.loads(path.read_text())
         outputs = {name: (size, digest) for name, (size, _, digest) in receipt["outputs"].items()}

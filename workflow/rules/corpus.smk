@@ -1,13 +1,14 @@
 # Tables over all models.
 
 
-# results/corpus/models.parquet: one row per mesh, accepted or not. The figures
+# results/corpus/models.parquet, models.csv: one row per mesh, accepted or not. The figures
 # are those of the models' own files, for which the status tables stand.
 rule collect_models:
     input:
         **status_tables(),
     output:
         table="results/corpus/models.parquet",
+        text="results/corpus/models.csv",
     log:
         "results/logs/collect_models.log",
     benchmark:

@@ -342,6 +342,27 @@ rule decompose_solid:
         "../scripts/decompose_solid.py"
 
 
+# Writes the model for other programs: regions as polygons, poly data, SWC, arrays.
+rule export_model:
+    input:
+        status="results/status/certify/{batch}.parquet",
+    output:
+        status="results/status/export_model/{batch}.parquet",
+    log:
+        "results/logs/export_model/{batch}.log",
+    benchmark:
+        "results/benchmarks/export_model/{batch}.tsv"
+    priority: priority_at("export_model")
+    resources:
+        mem_mb=memory_of,
+        runtime=runtime_of,
+    params:
+        options={"method": config["edges"]["method"]},
+        code=CODE["export_model"],
+    script:
+        "../scripts/export_model.py"
+
+
 # Draws the mesh with its graph inside, beside the graph by height.
 rule draw:
     input:

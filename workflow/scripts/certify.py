@@ -28,8 +28,8 @@ def main(source, target, options):
     tilt = read_json(source / "tilt.json")
     graphs = {name: parse_graph((source / f"{name}.graphml").read_bytes()) for name in GRAPHS}
     size, distance = mesh_lengths(tables["vertices"], tilt, options)
-    told = read_json(source / "inspection.json")
-    write_json(Path(target) / "certificate.json", certify(tables, tilt, graphs, size, distance, curves, told))
+    told = read_json(source / "inspection.json"), source.name
+    write_json(Path(target) / "certificate.json", certify(tables, tilt, graphs, size, distance, curves, *told))
 
 
 if "snakemake" in globals():

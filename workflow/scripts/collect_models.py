@@ -1,20 +1,25 @@
-"""Gather what is known of every model into one table.
+"""Gather what is known of every model into one table, as Parquet and as text.
 
 One row per mesh of the corpus, accepted or not: how it ended and why, the
 figures of its certificate and of its inspection, the seconds and the memory
 of every stage.
 """
 
-from corpus.layout import MODELS_TABLE
+from pyarrow import csv
+
+from corpus.layout import MODELS_TABLE, MODELS_TEXT
 from corpus.model_table import make_model_table
 from corpus.process import print_into, trim_startup
 from corpus.receipts import seal_table
 from corpus.storage import write_parquet
-from corpus.whole_files import remove_remains
+from corpus.whole_files import place_whole, remove_remains
 
 if "snakemake" in globals():
     print_into(snakemake.log[0])
     trim_startup()
     remove_remains(MODELS_TABLE.parent)
-    write_parquet(MODELS_TABLE, make_model_table(dict(snakemake.input.items())))
-    seal_table(MODELS_TABLE)
+    table = make_model_table(dict(snakemake.input.items()))
+    write_parquet(MODELS_TABLE, table)
+    with place_whole(MODELS_TEXT, durably=True) as scratch:
+        csv.write_csv(table, scratch)
+    seal_table(MODELS_TABLE, MODELS_TEXT)

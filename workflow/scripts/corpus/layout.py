@@ -25,6 +25,7 @@ BEFORE = {
     "label_faces": "synthesize_edges",
     "colour_faces": "synthesize_edges",
     "decompose_solid": "synthesize_edges",
+    "export_model": "certify",
     "compare_links": "inspect_mesh",
     "rate_directions": "inspect_mesh",
 }
@@ -42,6 +43,7 @@ SIDE_STAGES = {
     "label_faces": ("faces", "find"),
     "colour_faces": ("colours", "find"),
     "decompose_solid": ("parts", "find"),
+    "export_model": ("export", "files"),
 }
 
 
@@ -97,3 +99,4 @@ def read_status(path):
 
 STATUS_FOLDER = Path("results/status")
 MODELS_TABLE = Path("results/corpus/models.parquet")
+MODELS_TEXT = MODELS_TABLE.with_suffix(".csv")  # the same, as text

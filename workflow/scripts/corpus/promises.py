@@ -12,7 +12,7 @@ from array import array
 import pyarrow as pa
 import pyarrow.parquet as pq
 
-from .layout import MODELS_FOLDER, MODELS_TABLE, STATUS_FOLDER, STATUS_SCHEMA, line_behind, line_to
+from .layout import MODELS_FOLDER, MODELS_TABLE, MODELS_TEXT, STATUS_FOLDER, STATUS_SCHEMA, line_behind, line_to
 from .receipts import receipt_name, valid_receipt
 from .whole_files import sync
 
@@ -66,7 +66,9 @@ def find_broken_promises(batches, outputs, verify=False):
         for first in (stage for stage in outputs if stages.intersection(line_to(stage)) == {stage}):
             if collected or any(paths[stage].exists() for stage in line_behind(first) if stage in paths):
                 broken.append(str(paths[first]))
-    if collected and not valid_receipt(MODELS_TABLE.parent, MODELS_TABLE.stem, "", [MODELS_TABLE.name]):
+    if collected and not valid_receipt(
+        MODELS_TABLE.parent, MODELS_TABLE.stem, "", [MODELS_TABLE.name, MODELS_TEXT.name]
+    ):
         broken.append(str(MODELS_TABLE))
     return broken
 

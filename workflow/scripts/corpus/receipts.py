@@ -88,10 +88,10 @@ def _seal(folder, receipt):
     return _digest([folder.name, receipt])
 
 
-def seal_table(path):
-    """Leave a receipt beside a table over all models, so that it is noticed when the table is altered."""
-    receipt = {"before": "", "key": "", "outputs": {path.name: _mark(path)}, "status": "ok"}
-    write_receipt(path.parent, path.stem, receipt)
+def seal_table(path, *more):
+    """Leave a receipt beside a table over all models, and more files of it, so that it is seen when one is altered."""
+    marks = {file.name: _mark(file) for file in (path, *more)}
+    write_receipt(path.parent, path.stem, {"before": "", "key": "", "outputs": marks, "status": "ok"})
 
 
 def valid_receipt(folder, stage, key, outputs):

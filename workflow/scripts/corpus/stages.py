@@ -177,7 +177,7 @@ def _compute(task, row, folder, key):
     try:
         if row["key"] is None:
             raise Failed(row["reason"])
-        with unchanged_inputs(task.stage, row, task.digest) as keys, content_key(key, keys):
+        with unchanged_inputs(task.stage, row, task.digest) as keys, content_key(key, keys, row["model"]):
             task.main(source, scratch, row.get("options", task.options))
         _check_written(scratch, task.outputs)
     except Rejected as rejection:

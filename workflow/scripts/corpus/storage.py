@@ -16,7 +16,7 @@ from pathlib import Path
 import pyarrow as pa
 import pyarrow.parquet as pq
 
-from reebslice.schemas import FORMAT_VERSION, SCHEMAS
+from reebslice.schemas import FORMAT_VERSION, SCHEMAS, file_schema
 from reebslice.table_checks import REFERENCES, check_ids, check_nulls, check_schema, check_table
 
 from .whole_files import place_whole
@@ -28,11 +28,12 @@ VERSION = b"reebslice:format_version"
 # GeoParquet 1.1; the coordinates are those of the tilted frame, in the units
 # of the mesh, so there is no coordinate reference system to name.
 GEOPARQUET = {
-    "contours": {
+    name: {
         "version": "1.1.0",
         "primary_column": "geometry",
-        "columns": {"geometry": {"encoding": "WKB", "geometry_types": ["LineString"], "crs": None, "edges": "planar"}},
+        "columns": {"geometry": {"encoding": "WKB", "geometry_types": types, "crs": None, "edges": "planar"}},
     }
+    for name, types in (("contours", ["LineString"]), ("regions", ["Polygon", "MultiPolygon"]))
 }
 
 # Of columns of numbers the bytes of equal weight are laid side by side, or the
@@ -42,6 +43,8 @@ ENCODINGS = {pa.float64(): "BYTE_STREAM_SPLIT", pa.int32(): "DELTA_BINARY_PACKED
 
 _content_key = ContextVar("content_key", default="")
 _input_keys = ContextVar("input_keys", default=None)
+_model = ContextVar("model", default=None)
+ROWS = 2**20  # of a column that says one word throughout, which share its bytes in memory
 
 
 class AlteredFileError(ValueError):
@@ -59,17 +62,18 @@ class AlteredFileError(ValueError):
 
 
 @contextmanager
-def content_key(key, inputs=None):
-    """Within this context every table written carries the content key `key`.
+def content_key(key, inputs=None, model=None):
+    """Within this context every table written carries the content key `key`, and in its column `model` that model.
 
-    Of the tables read, those that `inputs` names, {file name: key}, must carry theirs.
+    Of the tables read, those that `inputs` names, {file name: key}, must carry theirs, and all the model.
     """
-    tokens = _content_key.set(key), _input_keys.set(inputs)
+    tokens = _content_key.set(key), _input_keys.set(inputs), _model.set(model)
     try:
         yield
     finally:
         _content_key.reset(tokens[0])
         _input_keys.reset(tokens[1])
+        _model.reset(tokens[2])
 
 
 def write_table(path, name, table, key=None):
@@ -77,34 +81,43 @@ def write_table(path, name, table, key=None):
 
     The file's metadata tell the content key (`key`, or the one of the
     surrounding :func:`content_key`), the table's name and the format's
-    version. Raises ValueError when the table does not match its declaration.
+    version; its first column is the model, so that tables of many can be put
+    together. Raises ValueError when the table does not match its declaration.
     """
     write_blocks(path, name, [table], key)
 
 
 def write_blocks(path, name, tables, key=None):
     """The same of a table that comes as an iterable of blocks of rows, at least one, of which one is held at a time."""
-    metadata = dict(SCHEMAS[name].metadata or {})
-    metadata |= {
+    schema = file_schema(name)
+    metadata = schema.metadata | {
         KEY: (key if key is not None else _content_key.get()).encode(),
         TABLE: name.encode(),
         VERSION: FORMAT_VERSION.encode(),
     }
     if name in GEOPARQUET:
         metadata[b"geo"] = json.dumps(GEOPARQUET[name]).encode()
-    _write_row_groups(path, SCHEMAS[name].with_metadata(metadata), (_as_declared(name, table) for table in tables))
+    _write_row_groups(path, schema.with_metadata(metadata), (_as_declared(name, table) for table in tables))
 
 
 def _as_declared(name, table):
     check_table(name, table)
-    return table.cast(SCHEMAS[name])  # puts the declared units back on the columns
+    table = table.cast(SCHEMAS[name])  # puts the declared units back on the columns
+    schema = file_schema(name)
+    return table if schema.names == table.column_names else table.add_column(0, schema.field(0), _say_model(len(table)))
+
+
+def _say_model(rows):
+    """The column that says the model of the surrounding :func:`content_key` in each of some rows."""
+    word = pa.repeat(pa.scalar(_model.get() or "", pa.string()), min(rows, ROWS))
+    return pa.chunked_array([*[word] * (rows // ROWS), word.slice(0, rows % ROWS)])
 
 
 def read_table(path, name, without=()):
-    """Return the table `name` from the Parquet file `path`, but for the columns `without`.
+    """Return the table `name` from the Parquet file `path`, but for the columns `without` and the model.
 
     Raises AlteredFileError, which is a ValueError, when the file is no Parquet
-    file, holds another table or one of another content key than the
+    file, holds another table or one of another content key or model than the
     surrounding :func:`content_key` says, was written in another format version,
     does not match the declaration, or holds ids that are not those of rows of
     the tables beside it.
@@ -112,7 +125,7 @@ def read_table(path, name, without=()):
     path = Path(path)
     with _refusal(path):
         file = _open_table(path, name)
-        wanted = [column for column in file.schema_arrow.names if column not in without]
+        wanted = [column for column in SCHEMAS[name].names if column not in without]
         table = file.read(wanted, use_threads=False)
         check_nulls(name, table)
     _check_ids_beside(path, name, table)
@@ -145,8 +158,21 @@ def _open_table(path, name):
     key, expected = metadata.get(KEY, b"").decode(), (_input_keys.get() or {}).get(path.name)
     if expected not in (None, key):
         raise ValueError(f"carries the content key {key!r}, but its receipt says {expected!r}: it is of other results")
-    check_schema(name, file.schema_arrow)
+    schema, columns = file.schema_arrow, file_schema(name).names
+    if schema.names[:1] != columns[:1]:
+        raise ValueError(f"its first column is not {columns[0]}")
+    check_schema(name, schema if columns == SCHEMAS[name].names else schema.remove(0))
+    if columns != SCHEMAS[name].names and _model.get() is not None:
+        _check_model(file.metadata, _model.get())
     return file
+
+
+def _check_model(metadata, model):
+    """Refuse a table of another model, by the least and the greatest word in its column of models."""
+    for group in range(metadata.num_row_groups):
+        told = metadata.row_group(group).column(0).statistics
+        if metadata.row_group(group).num_rows and not (told and told.has_min_max and told.min == told.max == model):
+            raise ValueError(f"holds rows of another model than {model!r}")
 
 
 @contextmanager

@@ -7,10 +7,14 @@ into docs/tables.md. The unit `mesh` is the length unit of the input file, which
 inspection.json names where the format has one.
 """
 
+from functools import cache
+
+import pyarrow as pa
+
 from .declarations import FLAG, INT, INTS, REAL, TEXT, WKB, table
 from .side_tables import SIDE_TABLES
 
-FORMAT_VERSION = "1"
+FORMAT_VERSION = "2"
 
 # --------------------------------------------------------------------------
 # Vocabulary: words, kinds, the twelve events
@@ -278,3 +282,26 @@ SCHEMAS = {
 # What the graphs are made of, and what is certified.
 MODEL_TABLES = tuple(SCHEMAS)
 SCHEMAS |= SIDE_TABLES
+
+
+@cache
+def file_schema(name):
+    """Declare a table as its file holds it.
+
+    Parameters
+    ----------
+    name : str
+        One of `SCHEMAS`.
+
+    Returns
+    -------
+    pyarrow.Schema
+        The first column is `model`, so that the tables of many models can be put together; in memory a table is of
+        one model and does without. Metadata tell the key of the rows.
+    """
+    schema = SCHEMAS[name]
+    if "model" in schema.names:
+        return schema
+    key = f"model, {schema.metadata[b'reebslice:primary_key'].decode()}"
+    model = table(key, schema.metadata[b"description"].decode(), ("model", TEXT, "Id of the model."))
+    return pa.schema([*model, *schema], metadata=model.metadata)

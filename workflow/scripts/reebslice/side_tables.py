@@ -1,6 +1,6 @@
 """Tables of what is asked of finished graphs, model by model, and of the whole corpus: see :mod:`.schemas`."""
 
-from .declarations import FLAG, INT, INTS, REAL, REALS, TEXT, table
+from .declarations import FLAG, INT, INTS, REAL, REALS, TEXT, WKB, table
 
 _BEGIN_AND_END = (
     ("begin", INT, "Vertex where it begins."),
@@ -116,6 +116,22 @@ SIDE_TABLES = {
         ("area", REAL, "Area of the solid's surface on it.", ("unit", "mesh^2")),
         ("cut_area", REAL, "Area of the cuts that close it.", ("unit", "mesh^2")),
         ("n_faces", INT, "Triangles of its mesh."),
+    ),
+    "regions": table(
+        "region",
+        "A component of the material at a level, as a polygon.",
+        ("region", INT, "Id of the region, that of its node."),
+        ("level", INT, "Level."),
+        ("height", REAL, "Height of its level.", ("unit", "mesh")),
+        ("n_holes", INT, "Holes."),
+        ("area", REAL, "Area of the polygon.", ("unit", "mesh^2")),
+        (
+            "geometry",
+            WKB,
+            "The polygon with its holes; empty where contours are too small to span a triangle, and mended, maybe of "
+            "several parts, where they cross.",
+            ("unit", "mesh, TILTED frame, WKB"),
+        ),
     ),
     "directions": table(
         "model, place",

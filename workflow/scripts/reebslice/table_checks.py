@@ -8,7 +8,9 @@ from .schemas import SCHEMAS
 # Columns that count the rows of their table from 0.
 ROW_IDS = {
     name: name[:-1]
-    for name in ("shells", "levels", "contours", "pieces", "handles", "nodes", "edges", "loops", "pockets", "islands")
+    for name in (
+        "shells", "levels", "contours", "pieces", "handles", "nodes", "edges", "loops", "pockets", "islands", "regions",
+    )
 } | {
     "critical_points": "critical", "critical_arcs": "arc", "unfoldings": "unfolding",
 }  # fmt: skip
@@ -52,6 +54,7 @@ REFERENCES = {
         ("face", "faces"), ("surface_arc", "arcs"), ("solid_arc", "arcs"), ("critical_arc", "critical_arcs"),
     ),
     "parts": (("solid_arc", "arcs"),),
+    "regions": (("region", "nodes"), ("level", "levels")),
 }  # fmt: skip
 
 

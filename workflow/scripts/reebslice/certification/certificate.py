@@ -86,6 +86,7 @@ def certify(
     distance: float | None = None,
     curves: tuple | None = None,
     inspection: dict | None = None,
+    model: str | None = None,
 ) -> dict:
     """Make the certificate of one model.
 
@@ -105,7 +106,9 @@ def certify(
         What :func:`recount.curves.read_curves` tells of the contours; then their table is without `geometry`.
     inspection : dict, optional
         The content of inspection.json. Of it are taken, as stated, the numbers of pairs of faces that cross:
-        `self_crossings`, of one body, and `body_crossings`, of two.
+        `self_crossings`, of one body, and `body_crossings`, of two; and the `unit`, which the graphs repeat.
+    model : str, optional
+        Its id, which the graphs repeat.
 
     Returns
     -------
@@ -131,7 +134,7 @@ def certify(
     >>> [name for name, check in certificate["checks"].items() if not check["holds"]][0]
     'tables_in_form'
     """
-    facts = Facts(tables, tilt, graphs, feature_size, distance, curves, inspection or {})
+    facts = Facts(tables, tilt, graphs, feature_size, distance, curves, inspection or {}, model)
     ledger = Ledger()
     stopped = ""
     for step in STEPS:

@@ -34,6 +34,7 @@ class Facts:
     distance: float | None = None  # the largest spacing of uniform levels, mesh units
     read_curves: tuple | None = None  # curves and which are drawn, as `read_curves` tells them
     inspection: dict = field(default_factory=dict)  # the content of inspection.json
+    model: str | None = None  # its id
     open: dict = field(default_factory=dict)  # {question that rounding or a crossing leaves open: how often}
 
     # check_form

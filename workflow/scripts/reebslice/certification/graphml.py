@@ -4,18 +4,15 @@ from collections.abc import Callable
 from typing import NamedTuple
 from xml.parsers import expat
 
-WORDS = {"true": True, "false": False, "1": True, "0": False}
-TYPES: dict[str, Callable] = {
-    "string": str, "int": int, "long": int, "float": float, "double": float,
-    "boolean": lambda text: WORDS[text.lower()],
-}  # fmt: skip
+TYPES: dict[str, Callable] = {"string": str, "long": int, "double": float}
 
 
 class ReadGraph(NamedTuple):
-    """An undirected multigraph: nodes {name: attributes}, edges [(name, name, id, attributes)]."""
+    """An undirected multigraph: nodes {name: attributes}, edges [(name, name, id, attributes)], its own attributes."""
 
     nodes: dict
     edges: list
+    about: dict
 
 
 def parse_graph(document):
@@ -50,15 +47,16 @@ def parse_graph(document):
     nodes = dict(reader.nodes)
     if len(nodes) < len(reader.nodes):
         raise ValueError("the document holds some node twice")
-    return ReadGraph(nodes, reader.edges)
+    return ReadGraph(nodes, reader.edges, reader.about)
 
 
 class _Reader:
-    """What the document says, element by element; `data` is that of the node or edge being read."""
+    """What the document says, element by element; `data` is that of the node or edge being read, else of the graph."""
 
     def __init__(self):
         self.keys, self.directions, self.nodes, self.edges = {}, [], [], []
         self.data, self.text = {}, ""
+        self.about = self.data
 
     def start(self, element, attributes):
         self.text = ""
@@ -82,3 +80,5 @@ class _Reader:
     def end(self, element):
         if element == "data":
             self.data[self.name] = self.cast(self.text)
+        elif element in ("node", "edge"):
+            self.data = self.about

@@ -175,7 +175,9 @@ def _take_graph(graph):
     nodes = [{"name": name} | facts for name, facts in graph.nodes.items()]
     edges = sorted(graph.edges, key=lambda edge: edge[2]["arc"])
     ends = [sorted((place[a], place[b]), key=lambda k: (nodes[k]["height"], k)) for a, b, _ in edges]
-    arcs = [{name: facts[name] for name in FIGURES if name in facts} for _, _, facts in edges]
+    arcs = [
+        {name: facts[name] for name in FIGURES if facts.get(name, np.nan) == facts.get(name)} for *_, facts in edges
+    ]
     return nodes, np.array(ends, np.int64).reshape(-1, 2), arcs
 
 

@@ -1,6 +1,7 @@
 """The Reeb graphs as nodes, arcs and attributes: of solid and surface, simplified, and with every material point."""
 
 import itertools
+from math import nan
 
 import numpy as np
 
@@ -13,6 +14,10 @@ JOINT_COLUMNS = (
     *("region", "vertex_x", "vertex_y", "vertex_z"),  # of the solid's nodes alone
 )
 POINT_COLUMNS = ("node", "level", "region", "x", "y", "z", "height", "critical", "area", "inscribed_radius", "n_holes")
+# What stands for an attribute that a node or edge does not have: GraphML holds no nulls, and readers refuse gaps.
+WORDS = ("side", "operation", "change")
+WHOLE = ("handle", "index", "n_handles", "node", "level", "region", "n_holes")
+ABSENT = dict.fromkeys(WORDS, "") | dict.fromkeys(WHOLE, -1)
 
 
 def reeb_graph(arcs, joints, attributes, prefix):
@@ -35,14 +40,16 @@ def reeb_graph(arcs, joints, attributes, prefix):
         Node h7 is the joint 7; an edge's id is `prefix` and the arc's number. It
         is an attribute as well, because igraph 1.0 takes the ids of nodes for
         those of edges unless an attribute `id` tells otherwise. Several edges
-        may join the same two nodes.
+        may join the same two nodes. All nodes have all attributes, and all edges; one that is unknown or does
+        not apply is "", -1 or NaN.
     """
-    nodes = {joint_name(number): _scalars(joints[number], JOINT_COLUMNS) for number in sorted(joints)}
+    columns = [name for name in JOINT_COLUMNS if any(name in row for row in joints.values())]
+    nodes = {joint_name(number): _joint(number, joints[number], columns) for number in sorted(joints)}
     edges = [
         (
             joint_name(row["source"]),
             joint_name(row["target"]),
-            {"id": f"{prefix}{row['arc']}"} | _scalars(row, attributes),
+            {"id": f"{prefix}{row['arc']}"} | _fill(row, attributes),
         )
         for row in arcs
     ]
@@ -129,13 +136,17 @@ def augmented_graph(parts, joints, nodes, similarity):
         Node n5 is the material point 5, h7 the joint 7. An edge between two
         points is a continuation; an edge at a joint carries its operation.
     """
-    named = {joint_name(k): {"kind": "handle"} | _scalars(joints[k], JOINT_COLUMNS) for k in sorted(joints)}
+    rest = [name for name in POINT_COLUMNS if name not in JOINT_COLUMNS]
+    lacks = _fill({"critical": True}, rest)
+    named = {joint_name(k): {"kind": "handle"} | _joint(k, joints[k]) | lacks for k in sorted(joints)}
+    lacks = {"kind": "point"} | _fill({"branches": False, "n_handles": 0}, ("label", *JOINT_COLUMNS))
     for row in nodes.select(POINT_COLUMNS).to_pylist():
-        named[f"n{row['node']}"] = {"kind": "point"} | row
+        named[f"n{row['node']}"] = lacks | {"label": f"n{row['node']}"} | row
     edges = []
 
-    def connect(low, high, **labels):
-        edges.append((low, high, {"id": f"e{len(edges)}"} | labels))
+    def connect(low, high, operation, similarity=nan, handle=-1):
+        facts = {"id": f"e{len(edges)}", "operation": operation, "similarity": similarity, "handle": handle}
+        edges.append((low, high, facts))
 
     for part, (lower, upper, inside) in enumerate(zip(parts.below, parts.above, parts.joints)):
         if not inside and len(lower) == len(upper) == 1:
@@ -153,12 +164,40 @@ def augmented_graph(parts, joints, nodes, similarity):
     return Graph(named, edges)
 
 
+def describe_graph(name, model, direction, unit):
+    """Describe a graph as a whole.
+
+    Parameters
+    ----------
+    name : str
+        One of `schemas.GRAPHS`.
+    model : str
+    direction : (3,) float64
+        Of height, a unit vector of the model frame.
+    unit : str or None
+        Of lengths.
+
+    Returns
+    -------
+    dict
+        Attributes of the graph in GraphML; an unknown unit is "".
+    """
+    place = {f"direction_{axis}": float(part) for axis, part in zip("xyz", direction)}
+    return {"model": model, "graph": name, **place, "unit": unit or "", "certificate": "certificate.json"}
+
+
 def joint_name(number):
     """Return the node id of a joint: h7 for the handle 7, b3 for a joint without a handle, number -4."""
     return f"h{number}" if number >= 0 else f"b{-1 - number}"
 
 
-def _scalars(row, names):
-    """GraphML holds no nulls: an absent word becomes "", an absent number is left out."""
-    words = {"side", "operation", "change"}
-    return {n: "" if row[n] is None else row[n] for n in names if n in words or row.get(n) is not None}
+def _joint(number, row, columns=JOINT_COLUMNS):
+    """The attributes of the node of a joint; the first one are words to show."""
+    facts = _fill(row, columns)
+    words = row.get("label") or " ".join(filter(None, (joint_name(number), facts["operation"], facts["side"])))
+    return {"label": words} | facts
+
+
+def _fill(row, names):
+    """Some attributes of a row, what stands for those that it does not have included."""
+    return {name: ABSENT.get(name, nan) if row.get(name) is None else row[name] for name in names}

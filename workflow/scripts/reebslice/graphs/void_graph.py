@@ -135,13 +135,16 @@ def void_arcs(pieces, contours, handles, centres, walls):
 
 
 def _joint_rows(void, handles):
-    """Describe the nodes; those without a handle are at the lowest and the highest vertex, which are handles."""
+    """Describe the nodes; those without a handle are at the lowest and the highest vertex, which are handles.
+
+    Events are nodes because they change how many regions the void has, so all branch.
+    """
     rows, joints = handles.to_pylist(), {}
     for inside, count in zip(void.parts.joints, void.held):
-        joints |= {joint: rows[joint] | {"branches": None, "n_handles": count} for joint in inside if joint >= 0}
-    for joint, row in ((BELOW, rows[0]), (ABOVE, rows[-1])):
-        unknown = dict.fromkeys(("handle", "index", "side", "operation", "change", "branches"))
-        joints[joint] = {name: row[name] for name in ("x", "y", "z", "height")} | unknown | {"n_handles": 0}
+        joints |= {joint: rows[joint] | {"branches": True, "n_handles": count} for joint in inside if joint >= 0}
+    for joint, row, words in ((BELOW, rows[0], "outside, below all"), (ABOVE, rows[-1], "outside, above all")):
+        place = {name: row[name] for name in ("x", "y", "z", "height")}
+        joints[joint] = place | {"label": words, "handle": joint, "branches": False, "n_handles": 0}
     return joints
 
 

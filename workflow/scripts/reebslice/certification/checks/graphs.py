@@ -8,23 +8,25 @@ from collections import Counter
 
 import numpy as np
 
-from ...schemas import EVENTS
+from ...schemas import EVENTS, GRAPHS
 from ..recount.graphs import count_loops, find_augmented_edges
 
 SOLID_COLUMNS = ("arc", "lower", "upper", "length", "volume", "similarity_min")
 SURFACE_COLUMNS = ("arc", "lower", "upper", "length", "area")
 VOID_COLUMNS = ("arc", "lower", "upper", "length", "volume")
 POSITION = ("x", "y", "z", "height")
+VERTEX = ("vertex_x", "vertex_y", "vertex_z")
 HANDLE_COLUMNS = ("handle", *POSITION, "index", "side", "operation", "change", "branches")
 NODE_COLUMNS = ("node", "level", "region", "x", "y", "z", "height", "critical", "area", "inscribed_radius", "n_holes")
 
 
 def check_graphs(facts, ledger):
     """The graphs as labelled multigraphs, with their attributes; that of the void is empty where it is not told."""
+    _check_descriptions(facts, ledger)
     graphs = {"solid": ("s", SOLID_COLUMNS), "surface": ("c", SURFACE_COLUMNS), "void": ("v", VOID_COLUMNS)}
     for graph, (prefix, columns) in graphs.items():
         if graph not in facts.parts:
-            ledger.enter("void.nodes and edges", [len(part) for part in facts.graphs["void"]], [0, 0])
+            ledger.enter("void.nodes and edges", [len(part) for part in facts.graphs["void"][:2]], [0, 0])
             continue
         _check_nodes(facts, ledger, graph)
         if graph not in facts.arcs:
@@ -53,20 +55,30 @@ def _name_node(number):
     return f"h{number}" if number >= 0 else f"b{-1 - number}"
 
 
+def _check_descriptions(facts, ledger):
+    """What the graphs tell of themselves: one model, the direction of tilt.json, the unit of inspection.json."""
+    about = [facts.graphs[name].about for name in GRAPHS]
+    told = {f"direction_{axis}": part for axis, part in zip("xyz", facts.tilt["direction"])}
+    told |= {"model": about[0].get("model") if facts.model is None else facts.model}
+    told |= {"unit": facts.inspection["unit"] or ""} if "unit" in facts.inspection else {}
+    same = [_hold(own, told | {"graph": name}) for name, own in zip(GRAPHS, about)]
+    ledger.rows("graphs.descriptions", same, "its name, and the model, direction and unit of all")
+
+
 def _rows(table, columns):
     """The rows of some columns of a table, as dicts of plain values."""
     return [dict(zip(columns, row)) for row in zip(*(table[column].tolist() for column in columns))]
 
 
 def _hold(data, expected):
-    """Whether attributes are as expected, as GraphML tells them: an absent number is left out, an absent word is ""."""
-    return all(_same(data.get(name), value) for name, value in expected.items())
+    """Whether attributes are as expected, as GraphML has them: what is absent is "", -1 or NaN, and never left out."""
+    return all(name in data and _same(data[name], value) for name, value in expected.items())
 
 
 def _same(found, expected):
     """Whether an attribute is as expected; floats but for their last digits."""
     if expected is None or expected != expected:
-        return found is None or found == ""
+        return found in ("", -1) or found != found
     if isinstance(expected, float):
         return isinstance(found, (int, float)) and abs(found - expected) <= 1e-12 * abs(expected)
     return found == expected
@@ -76,18 +88,21 @@ def _check_nodes(facts, ledger, graph):
     """The nodes of a graph and their attributes, against the tables handles and nodes."""
     handles = _rows(facts.columns.handles, HANDLE_COLUMNS)
     counts = _count_handles(facts, {"augmented": "solid"}.get(graph, graph))
-    expected = {f"h{h}": handles[h] | {"n_handles": count} for h, count in counts.items() if h >= 0}
+    words = {h: {"label": f"h{h} {data['operation']} {data['side']}"} for h, data in enumerate(handles)}
+    expected = {f"h{h}": handles[h] | words[h] | {"n_handles": count} for h, count in counts.items() if h >= 0}
     if graph in ("solid", "augmented"):
         expected = {name: data | _place(facts, data) for name, data in expected.items()}
     if graph == "void":
-        expected = {name: data | {"branches": None} for name, data in expected.items()}
-        for number, end in ((-1, handles[0]), (-2, handles[-1])):  # at the lowest and the highest vertex
+        expected = {name: data | {"branches": True} for name, data in expected.items()}
+        for number, end, side in (
+            (-1, handles[0], "below"),
+            (-2, handles[-1], "above"),
+        ):  # at the lowest, highest vertex
             place = {name: end[name] if name in POSITION else None for name in HANDLE_COLUMNS}
-            expected[_name_node(number)] = place | {"n_handles": 0}
+            own = {"label": f"outside, {side} all", "handle": number, "branches": False, "n_handles": 0}
+            expected[_name_node(number)] = place | own
     if graph == "augmented":
-        expected = {name: data | {"kind": "handle"} for name, data in expected.items()}
-        points = enumerate(_rows(facts.columns.nodes, NODE_COLUMNS))
-        expected |= {f"n{node}": data | {"kind": "point", "n_handles": None} for node, data in points}
+        expected = _add_points(facts, expected)
     stated = facts.graphs[graph].nodes
     ledger.enter(f"{graph}.nodes", sorted(stated) == sorted(expected), True)
     same = [name in expected and _hold(data, expected[name]) for name, data in stated.items()]
@@ -97,10 +112,17 @@ def _check_nodes(facts, ledger, graph):
 def _place(facts, handle):
     """Where the node of a handle lies in the solid's graph, and its vertex; handle : a row of `handles`."""
     region = int(facts.spot_region[handle["handle"]])
-    vertex = {f"vertex_{axis}": handle[axis] for axis in "xyz"}
-    return (
-        dict(zip("xyz", facts.spots[handle["handle"]].tolist())) | vertex | {"region": region if region >= 0 else None}
-    )
+    place = dict(zip("xyz", facts.spots[handle["handle"]].tolist())) | dict(zip(VERTEX, (handle[k] for k in "xyz")))
+    return place | {"region": region if region >= 0 else None}
+
+
+def _add_points(facts, handles):
+    """The attributes of the nodes of the augmented graph, given those of handles."""
+    own = dict.fromkeys(NODE_COLUMNS) | {"kind": "handle", "critical": True}
+    expected = {name: own | data for name, data in handles.items()}
+    own = dict.fromkeys((*HANDLE_COLUMNS, *VERTEX)) | {"kind": "point", "branches": False, "n_handles": 0}
+    points = enumerate(_rows(facts.columns.nodes, NODE_COLUMNS))
+    return expected | {f"n{node}": own | data | {"label": f"n{node}"} for node, data in points}
 
 
 def _count_handles(facts, graph):
@@ -129,9 +151,10 @@ def _check_augmented(facts, ledger):
     agree = []
     for a, b, key, data in found.edges:
         handles = {int(end[1:]) for end in (a, b) if end.startswith("h")}
-        same = (
-            data.get("handle") in handles if handles else _same(data.get("similarity"), likeness.get(frozenset((a, b))))
-        )
+        if handles:
+            same = data.get("handle") in handles and _hold(data, {"similarity": None})
+        else:
+            same = _hold(data, {"similarity": likeness.get(frozenset((a, b))), "handle": None})
         agree.append(same and data.get("id") == key)
     ledger.rows("augmented.edge_attributes", agree, "the handle, or the similarity of the edge")
 
