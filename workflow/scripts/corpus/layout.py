@@ -95,3 +95,4 @@ def read_status(path):
 
 STATUS_FOLDER = Path("results/status")
 MODELS_TABLE = Path("results/corpus/models.parquet")
+REPORT_PAGE = Path("results/corpus/report.html")

@@ -66,9 +66,12 @@ def find_broken_promises(batches, outputs, verify=False):
         for first in (stage for stage in outputs if stages.intersection(line_to(stage)) == {stage}):
             if collected or any(paths[stage].exists() for stage in line_behind(first) if stage in paths):
                 broken.append(str(paths[first]))
-    if collected and not valid_receipt(MODELS_TABLE.parent, MODELS_TABLE.stem, "", [MODELS_TABLE.name]):
-        broken.append(str(MODELS_TABLE))
-    return broken
+    return broken + find_altered(MODELS_TABLE)
+
+
+def find_altered(path):
+    """Return, in a list, the path of what is over all models where it is there, and not as it was written; else []."""
+    return [str(path)] if path.exists() and not valid_receipt(path.parent, path.stem, "", [path.name]) else []
 
 
 def _read_promises(path, members):

@@ -89,7 +89,7 @@ def _seal(folder, receipt):
 
 
 def seal_table(path):
-    """Leave a receipt beside a table over all models, so that it is noticed when the table is altered."""
+    """Leave a receipt beside a table or a page over all models, so that it is noticed when that is altered."""
     receipt = {"before": "", "key": "", "outputs": {path.name: _mark(path)}, "status": "ok"}
     write_receipt(path.parent, path.stem, receipt)
 
