@@ -360,3 +360,29 @@ def test_on_a_phone_the_page_itself_does_not_scroll_sideways(tmp_path, monkeypat
     )
     dom, console = browse("--dump-dom", "--allow-file-access-from-files", phone.as_uri())
     assert console == [] and "<title>0</title>" in dom
+
+
+def test_words_are_told_from_their_ground_in_light_and_in_dark():
+    styles = "".join(
+        (Path(report_models.__file__).parent / f"reebslice/drawing/{name}.css").read_text()
+        for name in ("shared", "report")
+    )
+    light, dark = styles.split("@media (prefers-color-scheme: dark)")
+    inks = dict(re.findall(r"--(\w+): (#\w{6});", light))
+    for colours in (inks, inks | dict(re.findall(r"--(\w+): (#\w{6});", dark))):
+        for ink, ground in itertools.product(("ink", "soft", "link"), ("ground", "faint", "field")):
+            assert contrast(colours[ink], colours[ground]) >= 4.5, (ink, ground)
+        assert contrast(colours["bar"], colours["ground"]) >= 3 and contrast(colours["focus"], colours["ground"]) >= 3
+    pills = re.findall(r"\.verdict[.\w]* \{[^}]*background: (#\w{6})", light)
+    assert len(pills) == 6 and all(contrast("#ffffff", pill) >= 4.5 for pill in pills)
+
+
+def contrast(one, other):
+    """Ratio of luminances by WCAG 2."""
+    lights = []
+    for colour in (one, other):
+        parts = np.array([int(colour[k : k + 2], 16) for k in (1, 3, 5)]) / 255
+        lights.append(
+            np.where(parts <= 0.04045, parts / 12.92, ((parts + 0.055) / 1.055) ** 2.4) @ [0.2126, 0.7152, 0.0722]
+        )
+    return (max(lights) + 0.05) / (min(lights) + 0.05)

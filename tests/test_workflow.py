@@ -3,6 +3,7 @@
 One corpus of tiny meshes is run once; every test works on a copy of it.
 """
 
+import base64
 import os
 import re
 import shutil
@@ -278,6 +279,25 @@ def test_a_report_that_was_altered_or_deleted_is_made_anew_alone_and_can_be_swit
     page.unlink()
     code, said = run(folder, options=(*OPTIONS, "report={page: false}"))
     assert code == 0 and "Nothing to be done" in said and not page.exists()
+
+
+def test_the_report_of_snakemake_carries_table_report_and_pictures_and_disturbs_nothing(folder):
+    code, said = run(folder, "--report", "snakemake.html")
+    assert code == 0, said
+    text = (folder / "snakemake.html").read_text()
+    carried = set(re.findall(r'"(results/[^"]*)": {"name": "', text))
+    assert carried == {"results/corpus/models.parquet", "results/corpus/report.html"} | {
+        f"results/models/{model}/picture.png" for model in ("tall", "sub__wide box")
+    }
+    picture = base64.b64encode((folder / "results/models/tall/picture.png").read_bytes()).decode()
+    assert picture in text and '"labels": {"model": "tall", "shows": "picture"}' in text
+    for told in (
+        "hollow is side B",
+        "What needs a look first, why and what to do",
+        "Certified Reeb graphs of the meshes",
+    ):
+        assert told in text  # captions, and what is said of the whole
+    assert planned(folder) == {}
 
 
 def test_a_run_that_digests_everything_notices_what_has_size_and_time_of_before(folder):
