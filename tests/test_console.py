@@ -77,7 +77,7 @@ def test_lines_are_overwritten_where_that_can_be_and_else_few(progress):
         assert written.count("\n") == 1 and "\r\x1b[Kcareful\n4 of 4 models done" in written
     else:
         lines = written.splitlines()
-        assert [line[:4] for line in lines] == [" 33%", " 67%", " 83%", "100%", "care"]
+        assert [line[:4] for line in lines] == ["  0%", " 33%", " 67%", " 83%", "100%", "care"]
 
 
 def test_a_line_says_what_is_under_way_though_jobs_follow_one_another(progress):
@@ -85,6 +85,7 @@ def test_a_line_says_what_is_under_way_though_jobs_follow_one_another(progress):
         dict(enumerate([("slice_mesh", "batch-2"), ("certify", "batch-2"), ("draw", "batch-2")])), MEMBERS, {}
     )
     begin(progress, 0)
+    assert progress.shown.stream.getvalue().endswith("3 of 4 models done; at work: slice_mesh (1)" + progress.line_end)
     end(progress, 0, at=60.0)
     begin(progress, 1)
     assert progress.shown.stream.getvalue().endswith("at work: certify (1); about 2 min left" + progress.line_end)
@@ -107,7 +108,7 @@ def test_many_jobs_are_some_lines(progress):
         begin(progress, job)
         end(progress, job, at=0.1 * job)
     lines = progress.shown.stream.getvalue().rstrip("\n").split("\n")
-    assert len(lines) == (1 if progress.shown.stream.isatty() else 10) and lines[-1].endswith("4 of 4 models done")
+    assert len(lines) == (1 if progress.shown.stream.isatty() else 11) and lines[-1].endswith("4 of 4 models done")
 
 
 @pytest.mark.parametrize(

@@ -68,7 +68,7 @@ class Progress(LogHandlerBase):
         """
         self._left, self._members, self._work = dict(jobs), members, work
         self._all, self._began = self._work_left(), time.monotonic()
-        self._told = 0.0, self._began
+        self._told, self._due = (-STEP, self._began), bool(jobs)
 
     def emit(self, record):
         """Show the record if it matters, and how far the run is if that has changed."""
