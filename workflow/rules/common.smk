@@ -47,7 +47,7 @@ from corpus.sample_sheet import read_sheet
 from corpus.shared_files import check_file_sharing
 from corpus.targets import find_unmade, read_wishes, redirect_targets, withdraw_outdated
 
-os.environ.setdefault("NUMBA_CACHE_DIR", str(compiled_code_folder(SCRIPTS / "reebslice")))
+COMPILED = os.environ.setdefault("NUMBA_CACHE_DIR", str(compiled_code_folder(SCRIPTS / "reebslice")))
 
 STARTED = time.time()
 GATHERED = {
@@ -274,7 +274,7 @@ def plan_progress():
 
 def tell_of_compiling():
     """Say why a first run takes long."""
-    if not os.path.isdir(os.environ["NUMBA_CACHE_DIR"]):
+    if not os.path.isdir(COMPILED):
         logger.info("The first run compiles the library as it goes, which takes some minutes; later ones do not.")
 
 
@@ -311,12 +311,12 @@ def close_run():
         close_wishes()
         return
     rules = {job.rule.name for job in workflow.dag.jobs}
-    gathered = [path for name, path in GATHERED.items() if any(rule.endswith(name) for rule in rules)]
+    gathered = [path for name, path in GATHERED.items() if any(each.endswith(name) for each in rules)]
     if gathered:
         logger.info("\n".join(["Made, or there already:", *(f"  {Path(path).absolute()}" for path in gathered)]))
-    if any(rule.endswith("collect_models") for rule in rules) and MODELS_TABLE.exists():
+    if any(each.endswith("collect_models") for each in rules) and MODELS_TABLE.exists():
         lines, failed = tell_outcome(MODELS_TABLE)
-        if any(rule.endswith("report_models") for rule in rules) and REPORT_PAGE.exists():
+        if any(each.endswith("report_models") for each in rules) and REPORT_PAGE.exists():
             lines.append(f"Open in a browser, for all of it: {REPORT_PAGE.absolute()}")
         elif "view" in CHOSEN and any(MODELS_FOLDER.glob("*/view.html")):
             lines.append(f"Pages, to be opened in a browser: {MODELS_FOLDER.absolute()}/*/view.html")
