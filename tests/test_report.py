@@ -146,6 +146,8 @@ def test_figures_are_those_of_the_table_seconds_summed_and_memory_the_largest():
             row["seconds_inspect_mesh"] + (row["seconds_draw"] or 0), rel=1e-5
         )
         assert figures["peak_memory_mb"][k] == max(row["peak_memory_mb_inspect_mesh"], 152)
+    strange = pa.table({"area": [1.23456789, float("nan"), float("inf"), None], "volume": [float("nan")] * 4})
+    assert {figure.name: values for figure, values in list_figures(strange).items()} == {"area": [1.23457] + [None] * 3}
     assert len({figure.name for figure in FIGURES}) == len({figure.label for figure in FIGURES}) == len(FIGURES)
 
 

@@ -1,5 +1,6 @@
 """The figures of the table of models that the report of a corpus shows."""
 
+import math
 from typing import NamedTuple
 
 import pyarrow.compute as pc
@@ -70,14 +71,22 @@ def list_figures(table):
     Returns
     -------
     dict of Figure to list of float, int or None
-        Numbers of six digits at most where they are no whole ones; figures that no model has are left out.
+        Numbers of six digits at most where they are no whole ones, None where there is no finite one; figures that no
+        model has are left out.
     """
     listed = {}
     for figure in FIGURES:
-        values = _find_values(table, figure.name)
+        values = [_round(value) for value in _find_values(table, figure.name)]
         if any(value is not None for value in values):
-            listed[figure] = [float(f"{value:.6g}") if isinstance(value, float) else value for value in values]
+            listed[figure] = values
     return listed
+
+
+def _round(value):
+    """The number in six digits; a whole one as it is."""
+    if not isinstance(value, float):
+        return value
+    return float(f"{value:.6g}") if math.isfinite(value) else None
 
 
 def _find_values(table, name):
