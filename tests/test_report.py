@@ -38,7 +38,7 @@ def make_rows(count):
     for k in range(count):
         row = {"model": f"part_{k:04d}", "path": f"meshes/part_{k:04d}.stl", "status": "ok", "reason": ""}
         row |= {"verdict": "exact" if k % 2 else "exact_at_feature_size", "genus": k % 5, "volume": 1.5 * k + 1}
-        row |= {"n_faces": 100 * 2 ** (k % 12), "unit": "millimetre" if k % 3 else None, "self_crossings": 0}
+        row |= {"n_faces": 1001 * 3 ** (k % 10), "unit": "millimetre" if k % 3 else None, "self_crossings": 0}
         row |= {"seconds_inspect_mesh": 0.25 * k, "seconds_draw": 1.0, "peak_memory_mb_inspect_mesh": 150.0 + k % 4}
         row |= {"peak_memory_mb_draw": 152.0, "hidden_genus": 0}
         if k % 7 == 3:

@@ -70,7 +70,7 @@ def split_values(values):
 
 def _draw_bar(figure, own, left, step, tall):
     """A bar with its number above, and its range below where there is room."""
-    low, high = (f"{bound:.6g}" for bound in own[[0, -1]])
+    low, high = (f"{bound:.15g}" for bound in own[[0, -1]])  # figures as they are in the page
     told = low if low == high else f"{low} to {high}"
     models = f"{len(own):,} model{'s' if len(own) != 1 else ''}"
     middle, shown, number = left + step / 2, _shorten(own[0]), _shorten(len(own))
