@@ -36,6 +36,7 @@ def progress(request, monkeypatch):
     handler, clock = Progress(None, None), SimpleNamespace(now=0.0)
     monkeypatch.setattr(console, "time", SimpleNamespace(monotonic=lambda: clock.now))
     handler.shown, handler.clock = logging.StreamHandler(Screen(request.param)), clock
+    handler.line_end = "" if request.param else "\n"
     handler.plan(JOBS, MEMBERS, {"batch-0": 2.0, "batch-1": 1.0, "batch-2": 1.0})
     return handler
 
@@ -76,7 +77,22 @@ def test_lines_are_overwritten_where_that_can_be_and_else_few(progress):
         assert written.count("\n") == 1 and "\r\x1b[Kcareful\n4 of 4 models done" in written
     else:
         lines = written.splitlines()
-        assert [line[:4] for line in lines] == [" 33%", " 67%", " 83%", "100%", "care"]
+        assert [line[:4] for line in lines] == ["  0%", " 33%", " 67%", " 83%", "100%", "care"]
+
+
+def test_a_line_says_what_is_under_way_though_jobs_follow_one_another(progress):
+    progress.plan(
+        dict(enumerate([("slice_mesh", "batch-2"), ("certify", "batch-2"), ("draw", "batch-2")])), MEMBERS, {}
+    )
+    begin(progress, 0)
+    assert progress.shown.stream.getvalue().endswith("3 of 4 models done; at work: slice_mesh (1)" + progress.line_end)
+    end(progress, 0, at=60.0)
+    begin(progress, 1)
+    assert progress.shown.stream.getvalue().endswith("at work: certify (1); about 2 min left" + progress.line_end)
+    end(progress, 1, at=120.0)
+    begin(progress, 2)
+    end(progress, 2, at=180.0)
+    assert progress.shown.stream.getvalue().endswith("4 of 4 models done" + progress.line_end)
 
 
 def test_without_a_plan_nothing_is_said_of_progress():
@@ -92,7 +108,7 @@ def test_many_jobs_are_some_lines(progress):
         begin(progress, job)
         end(progress, job, at=0.1 * job)
     lines = progress.shown.stream.getvalue().rstrip("\n").split("\n")
-    assert len(lines) == (1 if progress.shown.stream.isatty() else 10) and lines[-1].endswith("4 of 4 models done")
+    assert len(lines) == (1 if progress.shown.stream.isatty() else 11) and lines[-1].endswith("4 of 4 models done")
 
 
 @pytest.mark.parametrize(
@@ -154,6 +170,9 @@ def test_the_last_lines_tell_verdicts_and_what_needs_a_look(tmp_path):
         "  m10: FAILED: memory ran out",
         f"All models, with reasons and figures: {path}",
     ]
+    rows[4]["reason"] = "It crosses at (0.1234567890123, -2, 3e-05)."
+    write_parquet(path, pa.Table.from_pylist(rows))
+    assert "  m4: uncertified: It crosses at (0.123457, -2, 3e-05)." in tell_outcome(path)[0]
     unsure = {"void_verdict": "uncertified", "basins_count": 1}
     write_parquet(path, pa.Table.from_pylist([row | unsure for row in rows[:2]]))
     told = "Pockets are not certified of 2, as the column void_reason says: m0 first"

@@ -112,6 +112,11 @@ def test_unusable_folders_and_names_are_refused_with_the_cure(paths, message):
         find_models("m")
 
 
+def test_an_absolute_path_that_is_not_there_is_not_looked_for_in_the_working_directory():
+    with pytest.raises(CorpusError, match="there is no folder '/nowhere/m', and no file"):
+        find_models("/nowhere/m")
+
+
 def test_meshes_of_one_name_are_called_after_their_endings():
     put("m/part.stl", "m/part.off", "m/other.STL", "m/sub/part.stl")
     models, _, renamed = find_models("m")

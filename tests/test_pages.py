@@ -583,3 +583,41 @@ def test_without_webgl_the_page_says_so_and_the_rest_works(made):
     dom, _ = browse("--disable-gpu", "--disable-3d-apis", "--dump-dom", (made["plate"] / "view.html").as_uri())
     assert 'data-ready="yes"' in dom and '<p id="nothing">The model cannot be shown in space here, all else' in dom
     assert re.search(r'<output id="height">[^<]*contour', dom) and dom.count('class="hit"') > 3
+
+
+NARROW = """
+(async () => {
+  while (!document.body.dataset.ready) await new Promise((done) => setTimeout(done, 50));
+  const across = document.documentElement.scrollWidth - innerWidth;
+  const seen = { choices: [], flat: find("#flat").scrollLeft, across };
+  const choice = find("#graph");
+  for (const option of [...choice.options]) {
+    choice.value = option.value;
+    choice.dispatchEvent(new Event("change"));
+    const words = element("span", option.textContent, document.body);
+    words.style.font = getComputedStyle(choice).font;
+    seen.choices.push([words.getBoundingClientRect().width, choice.clientWidth, find("#graph-words").textContent]);
+    words.remove();
+  }
+  const [slider, told] = ["#level", "#height"].map((name) => find(name).getBoundingClientRect());
+  parent.postMessage(JSON.stringify({ ...seen, slider: [slider.width, slider.bottom, told.top] }), "*");
+})();
+"""
+
+
+@pytest.mark.skipif(BROWSER is None, reason="no Chromium is installed")
+def test_on_a_phone_choices_are_read_whole_and_nothing_opens_scrolled(made, tmp_path):
+    digest = base64.b64encode(hashlib.sha256(NARROW.encode()).digest()).decode()
+    text = (made["upright"] / "view.html").read_text().replace("script-src ", f"script-src 'sha256-{digest}' ", 1)
+    (tmp_path / "page.html").write_text(text.replace("</body>", f"<script>{NARROW}</script></body>"))
+    told = "<script>onmessage = (event) => (document.title = event.data)</script>"
+    frame = '<iframe src="page.html" width="390" height="1800" frameborder="0"></iframe>'  # no window is as narrow
+    (tmp_path / "phone.html").write_text(f"<title></title>{told}{frame}")
+    dom, console = browse(*SOFTWARE, "--dump-dom", (tmp_path / "phone.html").as_uri())
+    assert console == []
+    seen = json.loads(html.unescape(re.search("<title>(.*?)</title>", dom)[1]))
+    assert seen["flat"] == 0 and seen["across"] <= 0
+    assert len({words for *_, words in seen["choices"]}) == 4
+    assert all(wide + 40 < room for wide, room, _ in seen["choices"])  # with the arrow of the list
+    wide, below, above = seen["slider"]
+    assert wide > 0.6 * 370 and below <= above  # on a line of its own

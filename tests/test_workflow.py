@@ -3,6 +3,7 @@
 One corpus of tiny meshes is run once; every test works on a copy of it.
 """
 
+import base64
 import os
 import re
 import shutil
@@ -64,7 +65,11 @@ def planned(folder, *arguments, **keywords):
     if "Nothing to be done" in said:
         return {}
     counts = dict(re.findall(r"^(\w+) +(\d+)$", said.split("Job stats:")[1].split("\n\n")[0], flags=re.MULTILINE))
-    return {rule: int(count) for rule, count in counts.items() if rule not in ("all", "total", "collect_models")}
+    return {
+        rule: int(count)
+        for rule, count in counts.items()
+        if rule not in ("all", "total", "collect_models", "report_models")
+    }
 
 
 def models_table(folder):
@@ -163,10 +168,11 @@ def test_a_run_leaves_every_file_and_says_how_it_went(finished):
     assert lines[end - 1] == "100%  3 of 3 models done"
     assert lines[end + 1] == "What needs a look:" and lines[end + 2].startswith("  torn: rejected: ")
     assert lines[end + 3] == f"All models, with reasons and figures: {folder / 'results/corpus/models.parquet'}"
-    assert lines[end + 4].startswith("Complete log(s): ")
-    log = Path(lines[end + 4].partition(": ")[2]).read_text()
+    assert lines[end + 4] == f"Open in a browser, for all of it: {folder / 'results/corpus/report.html'}"
+    assert lines[end + 5].startswith("Complete log(s): ")
+    log = Path(lines[end + 5].partition(": ")[2]).read_text()
     batches = list((folder / "results/status/draw").iterdir())
-    assert log.count("\nlocalrule ") == len(CHOSEN) * len(batches) + 2 and lines[end] in log  # every job
+    assert log.count("\nlocalrule ") == len(CHOSEN) * len(batches) + 3 and lines[end] in log  # every job
 
 
 def test_cores_batches_hash_seed_locale_and_time_zone_change_no_byte(finished, tmp_path):
@@ -261,11 +267,46 @@ def test_what_was_altered_is_noticed_and_made_anew(folder):
     lie.write_text(lie.read_text().replace('"rejected"', '"ok"'))
     for table in (folder / "results/corpus/models.parquet", *(folder / "results/status/draw").iterdir()):
         os.truncate(table, 1000)
+    page = folder / "results/corpus/report.html"
+    page.write_text(page.read_text().replace("1 rejected", "0 rejected"))
     code, said = run(folder)
     assert code == 0, said
+    assert "1 rejected" in page.read_text() and "0 rejected" not in page.read_text()
     assert results(folder) == before and planned(folder) == {}
     after = models_table(folder)
     assert {model: row["verdict"] for model, row in after.items()} == {m: row["verdict"] for m, row in figures.items()}
+
+
+def test_a_report_that_was_altered_or_deleted_is_made_anew_alone_and_can_be_switched_off(folder):
+    page, table = (folder / "results/corpus" / name for name in ("report.html", "models.parquet"))
+    whole, made = page.read_bytes(), table.stat().st_mtime_ns
+    for change in (lambda: page.write_bytes(whole.replace(b"rejected", b"accepted")), page.unlink):
+        change()
+        code, said = run(folder)
+        assert code == 0, said
+        assert page.read_bytes() == whole and table.stat().st_mtime_ns == made
+    page.unlink()
+    code, said = run(folder, options=(*OPTIONS, "report={page: false}"))
+    assert code == 0 and "Nothing to be done" in said and not page.exists()
+
+
+def test_the_report_of_snakemake_carries_table_report_and_pictures_and_disturbs_nothing(folder):
+    code, said = run(folder, "--report", "snakemake.html")
+    assert code == 0, said
+    text = (folder / "snakemake.html").read_text()
+    carried = set(re.findall(r'"(results/[^"]*)": {"name": "', text))
+    assert carried == {"results/corpus/models.parquet", "results/corpus/report.html"} | {
+        f"results/models/{model}/picture.png" for model in ("tall", "sub__wide box")
+    }
+    picture = base64.b64encode((folder / "results/models/tall/picture.png").read_bytes()).decode()
+    assert picture in text and '"labels": {"model": "tall", "shows": "picture"}' in text
+    for told in (
+        "hollow is side B",
+        "What needs a look first, why and what to do",
+        "Certified Reeb graphs of the meshes",
+    ):
+        assert told in text  # captions, and what is said of the whole
+    assert planned(folder) == {}
 
 
 def test_a_run_that_digests_everything_notices_what_has_size_and_time_of_before(folder):

@@ -33,20 +33,21 @@ from corpus.batches import (
     predict_work,
     set_apart,
 )
+from corpus.carried_files import flag_files, foretell_report, list_carried
 from corpus.code_digest import compiled_code_folder, digest_code, read_outputs
 from corpus.configuration import CONFIG_FILE, ConfigError, check_config, describe_sources, restore_texts
 from corpus.console import show_progress
 from corpus.discovery import CorpusError, find_models, pick_models
-from corpus.layout import BEFORE, MODELS_FOLDER, MODELS_TABLE, STAGES, chosen_stages, line_behind
+from corpus.layout import BEFORE, MODELS_FOLDER, MODELS_TABLE, REPORT_PAGE, STAGES, chosen_stages, line_behind
 from corpus.outcome import list_first, tell_outcome
 from corpus.process import find_full_disks, find_last_words
-from corpus.promises import find_broken_promises
+from corpus.promises import find_altered, find_broken_promises
 from corpus.receipts import forget_stage
 from corpus.sample_sheet import read_sheet
 from corpus.shared_files import check_file_sharing
 from corpus.targets import find_unmade, read_wishes, redirect_targets, withdraw_outdated
 
-os.environ.setdefault("NUMBA_CACHE_DIR", str(compiled_code_folder(SCRIPTS / "reebslice")))
+COMPILED = os.environ.setdefault("NUMBA_CACHE_DIR", str(compiled_code_folder(SCRIPTS / "reebslice")))
 
 STARTED = time.time()
 GATHERED = {
@@ -109,7 +110,9 @@ BATCHES = set_apart(form_batches(MODELS, **config["batches"]), config["only"])
 # Of any model a file can be asked for: then it has a batch of its own.
 MEMBERS = {batch_alone(model): [model] for model in MODELS} | BATCHES
 CHOSEN = chosen_stages(config)
-CODE = {stage: digest_code(SCRIPTS / f"{stage}.py") for stage in (*STAGES, "collect_models")}
+REPORTS = [str(REPORT_PAGE)] if config["report"]["page"] else []
+UNTOLD = ("compare", "directions", "report", "limits", "batches", "verify")  # what changes no result of all models
+CODE = {stage: digest_code(SCRIPTS / f"{stage}.py") for stage in (*STAGES, "collect_models", "report_models")}
 
 
 wildcard_constraints:
@@ -134,6 +137,7 @@ if workflow.is_main_process:
     OUTPUTS = {stage: read_outputs(SCRIPTS / f"{stage}.py") for stage in BEFORE}
     CHOSEN_OUTPUTS = {stage: OUTPUTS[stage] for stage in CHOSEN}
     WITHDRAWN = find_broken_promises(BATCHES, CHOSEN_OUTPUTS, config["verify"])
+    WITHDRAWN += find_altered(REPORT_PAGE) if REPORTS else []
     for table in WITHDRAWN:
         withdraw_table(table)
     if OTHER_FILES:
@@ -164,6 +168,9 @@ def ask_for_tables(targets):
 
 if workflow.is_main_process and IS_MAIN:
     redirect_targets(workflow, ask_for_tables)
+
+UNDERWAY = foretell_report(workflow) if workflow.is_main_process else []
+CAPTIONS = workflow.current_basedir.join("../report")
 
 # Functions for the rules -----------------------------------------------------
 
@@ -229,6 +236,17 @@ def status_tables():
     return {stage: [f"results/status/{stage}/{batch}.parquet" for batch in BATCHES] for stage in CHOSEN}
 
 
+def carried_files(wildcards):
+    """Files of models that Snakemake's own report takes up; none but while it is made."""
+    files, left = list_carried(MODELS, UNDERWAY[0]) if UNDERWAY else ([], 0)
+    if left:
+        logger.warning(
+            f"Pages and pictures of {left} models are left out of {UNDERWAY[0]}, which would be too large to be opened; "
+            "--report report.zip takes all of them"
+        )
+    return flag_files(files, CAPTIONS)
+
+
 def gathering_memory(wildcards, attempt):
     """Memory for a table over all models, in MB."""
     return int(predict_gathering(len(MODELS))[0] * attempt)
@@ -256,7 +274,7 @@ def plan_progress():
 
 def tell_of_compiling():
     """Say why a first run takes long."""
-    if not os.path.isdir(os.environ["NUMBA_CACHE_DIR"]):
+    if not os.path.isdir(COMPILED):
         logger.info("The first run compiles the library as it goes, which takes some minutes; later ones do not.")
 
 
@@ -293,12 +311,14 @@ def close_run():
         close_wishes()
         return
     rules = {job.rule.name for job in workflow.dag.jobs}
-    gathered = [path for name, path in GATHERED.items() if any(rule.endswith(name) for rule in rules)]
+    gathered = [path for name, path in GATHERED.items() if any(each.endswith(name) for each in rules)]
     if gathered:
         logger.info("\n".join(["Made, or there already:", *(f"  {Path(path).absolute()}" for path in gathered)]))
-    if any(rule.endswith("collect_models") for rule in rules) and MODELS_TABLE.exists():
+    if any(each.endswith("collect_models") for each in rules) and MODELS_TABLE.exists():
         lines, failed = tell_outcome(MODELS_TABLE)
-        if "view" in CHOSEN and any(MODELS_FOLDER.glob("*/view.html")):
+        if any(each.endswith("report_models") for each in rules) and REPORT_PAGE.exists():
+            lines.append(f"Open in a browser, for all of it: {REPORT_PAGE.absolute()}")
+        elif "view" in CHOSEN and any(MODELS_FOLDER.glob("*/view.html")):
             lines.append(f"Pages, to be opened in a browser: {MODELS_FOLDER.absolute()}/*/view.html")
         if failed:
             raise WorkflowError(

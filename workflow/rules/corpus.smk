@@ -7,7 +7,7 @@ rule collect_models:
     input:
         **status_tables(),
     output:
-        table="results/corpus/models.parquet",
+        table=report("results/corpus/models.parquet", caption="../report/table.rst", category="All models"),
         text="results/corpus/models.csv",
     log:
         "results/logs/collect_models.log",
@@ -20,3 +20,27 @@ rule collect_models:
         code=CODE["collect_models"],
     script:
         "../scripts/collect_models.py"
+
+
+# results/corpus/report.html: the same as a page, what needs a look first. It links to what the stages left of each
+# model, for which the table of models stands.
+rule report_models:
+    input:
+        table="results/corpus/models.parquet",
+        carried=carried_files,
+    output:
+        page=report("results/corpus/report.html", caption="../report/models.rst", category="All models"),
+    log:
+        "results/logs/report_models.log",
+    benchmark:
+        "results/benchmarks/report_models.tsv"
+    resources:
+        mem_mb=gathering_memory,
+        runtime=gathering_runtime,
+    params:
+        config={key: value for key, value in config.items() if key not in UNTOLD},
+        own=len(OWN),
+        stages=CHOSEN,
+        code=CODE["report_models"],
+    script:
+        "../scripts/report_models.py"

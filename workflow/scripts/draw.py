@@ -1,4 +1,4 @@
-"""Draw every model's still picture: its Reeb graph in the body, and flat by height.
+"""Draw every model's still picture: its Reeb graph in the body, and flat by height; and a small one for lists.
 
 After figure 6 of Pareja-Corcho et al. (see reebslice.drawing.picture). The bytes of
 the picture depend on the results alone: no dates, no program versions.
@@ -19,19 +19,24 @@ from reebslice.drawing.model import (
     stack_columns,
 )
 from reebslice.drawing.picture import Body, draw_model
+from reebslice.drawing.rasters import choose_angles
+from reebslice.drawing.thumbnail import draw_thumbnail
 from reebslice.drawing.titles import Title
 from reebslice.slicing.tables import contour_curves
 
-OUTPUTS = ("picture.png",)
+OUTPUTS = ("picture.png", "thumbnail.png")
 TABLES = ("vertices", "faces", "levels", "contours", "arcs", "nodes")
 
 
 def main(source, target, options):
-    """Write `picture.png` of the model in the folder `source` into `target`.
+    """Write `picture.png` and `thumbnail.png` of the model in the folder `source` into `target`.
 
     options : width, azimuth, elevation and graph of `draw`.
     """
-    (target / "picture.png").write_bytes(encode_png(draw_model(*read_model(source, options["graph"]), options)))
+    title, body, graph, paths = read_model(source, options["graph"])
+    options = options | choose_angles(body.points, body.faces, options)
+    (target / "picture.png").write_bytes(encode_png(draw_model(title, body, graph, paths, options)))
+    (target / "thumbnail.png").write_bytes(draw_thumbnail(body, graph, paths, options))
 
 
 def read_model(source, wish):

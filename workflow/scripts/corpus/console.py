@@ -52,7 +52,7 @@ class Progress(LogHandlerBase):
         self.name = "ReebsliceProgress"
         self.shown = None  # the default handler
         self._left, self._running, self._all = {}, {}, 0.0
-        self._told, self._line = (0.0, 0.0), ""
+        self._told, self._line, self._due = (0.0, 0.0), "", False
 
     def plan(self, jobs, members, work):
         """Take note of what is to be done.
@@ -68,17 +68,20 @@ class Progress(LogHandlerBase):
         """
         self._left, self._members, self._work = dict(jobs), members, work
         self._all, self._began = self._work_left(), time.monotonic()
-        self._told = 0.0, self._began
+        self._told, self._due = (-STEP, self._began), bool(jobs)
 
     def emit(self, record):
         """Show the record if it matters, and how far the run is if that has changed."""
         event = getattr(record, "event", None)
         if event == LogEvent.JOB_INFO and record.jobid in self._left:
             self._running[record.jobid] = self._left[record.jobid]
+            if self._due:
+                self._show_line()
         elif event == LogEvent.JOB_FINISHED:
             self._left.pop(record.job_id, None)
             self._running.pop(record.job_id, None)
-            if self._all:
+            self._due = bool(self._all and self._left and not self._running)  # once it is known what is at work next
+            if self._all and not self._due:
                 self._show_line()
         elif event == LogEvent.JOB_ERROR:
             self._running.pop(record.jobid, None)
@@ -107,6 +110,7 @@ class Progress(LogHandlerBase):
 
     def _show_line(self):
         """Show how far the run is, in place of the line before where the console can do that, else now and then."""
+        self._due = False
         part, now = 1 - self._work_left() / self._all if self._left else 1.0, time.monotonic()
         if self.shown.stream.isatty():
             self._line = self.describe()[:150]

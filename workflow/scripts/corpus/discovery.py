@@ -67,8 +67,9 @@ def find_models(meshes, beside=("results", ".snakemake")):
     elif os.path.isdir(meshes):
         folder, (files, others) = meshes, _list_files(meshes, beside)
     else:
+        place = "" if os.path.isabs(meshes) else f" in {os.getcwd()!r}"
         raise CorpusError(
-            f"meshes: there is no folder {meshes!r} in {os.getcwd()!r}, and no file; put your meshes there, or name "
+            f"meshes: there is no folder {meshes!r}{place}, and no file; put your meshes there, or name "
             "their folder, or one of them, in config/config.yaml or by --config meshes=FOLDER"
         )
     if not files:

@@ -100,3 +100,4 @@ def read_status(path):
 STATUS_FOLDER = Path("results/status")
 MODELS_TABLE = Path("results/corpus/models.parquet")
 MODELS_TEXT = MODELS_TABLE.with_suffix(".csv")  # the same, as text
+REPORT_PAGE = Path("results/corpus/report.html")

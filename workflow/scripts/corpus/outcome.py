@@ -4,8 +4,9 @@ from collections import Counter
 
 import pyarrow.parquet as pq
 
+from reebslice.drawing.verdicts import SOUND, shorten_numbers, tell_kind
+
 FIRST = 3  # so many of a kind are told, and the number of all
-SOUND = ("exact", "exact_at_feature_size")
 
 
 def tell_outcome(path):
@@ -31,7 +32,7 @@ def tell_outcome(path):
     if looked:
         lines.append("What needs a look:")
     for kind in looked:
-        told = [f"{row['model']}: {kind}: {row['reason']}" for row in rows if _kind(row) == kind]
+        told = [f"{row['model']}: {kind}: {shorten_numbers(row['reason'])}" for row in rows if _kind(row) == kind]
         lines += list_first(told)
     unsure = [row["model"] for row in rows if "basins_count" in row and row.get("void_verdict") == "uncertified"]
     if unsure:
@@ -47,4 +48,5 @@ def list_first(lines):
 
 def _kind(row):
     """Return the verdict of a model, or how else it ended."""
-    return "FAILED" if row["status"] == "failed" else row["verdict"] or row["status"]
+    kind = tell_kind(row["status"], row["verdict"])
+    return "FAILED" if kind == "failed" else kind

@@ -66,11 +66,13 @@ def find_broken_promises(batches, outputs, verify=False):
         for first in (stage for stage in outputs if stages.intersection(line_to(stage)) == {stage}):
             if collected or any(paths[stage].exists() for stage in line_behind(first) if stage in paths):
                 broken.append(str(paths[first]))
-    if collected and not valid_receipt(
-        MODELS_TABLE.parent, MODELS_TABLE.stem, "", [MODELS_TABLE.name, MODELS_TEXT.name]
-    ):
-        broken.append(str(MODELS_TABLE))
-    return broken
+    return broken + find_altered(MODELS_TABLE, MODELS_TEXT)
+
+
+def find_altered(path, *more):
+    """Return, in a list, the path of what is over all models where it is there, but it or more is not as written; else []."""
+    names = [file.name for file in (path, *more)]
+    return [str(path)] if path.exists() and not valid_receipt(path.parent, path.stem, "", names) else []
 
 
 def _read_promises(path, members):

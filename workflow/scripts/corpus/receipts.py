@@ -89,7 +89,7 @@ def _seal(folder, receipt):
 
 
 def seal_table(path, *more):
-    """Leave a receipt beside a table over all models, and more files of it, so that it is seen when one is altered."""
+    """Leave a receipt beside what is over all models, and more files of it, so that it is seen when one is altered."""
     marks = {file.name: _mark(file) for file in (path, *more)}
     write_receipt(path.parent, path.stem, {"before": "", "key": "", "outputs": marks, "status": "ok"})
 

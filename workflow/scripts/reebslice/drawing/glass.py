@@ -7,9 +7,9 @@ import numpy as np
 from .canvas import Canvas, Words, draw_marks, measure_text, new_canvas, rgb, write_words
 from .labels import spread_labels
 from .marks import INK, SOFT
-from .rasters import rasterize_mesh, widest_azimuth
+from .rasters import choose_angles, rasterize_mesh
 from .shading import shade_layers
-from .views import View, choose_elevation, fit_view, project_points
+from .views import View, fit_view, project_points
 
 FEW = 60  # numbers, beyond which they are written smaller
 
@@ -51,10 +51,7 @@ def draw_glass(points, faces, options):
     """
     width = int(options.get("width", 800))
     canvas = new_canvas(width, width, width / 432)
-    azimuth, elevation = options.get("azimuth"), options.get("elevation")
-    elevation = choose_elevation(points) if elevation is None else float(elevation)
-    azimuth = widest_azimuth(points, faces, elevation) if azimuth is None else float(azimuth)
-    view = fit_view(points, azimuth, elevation, width, width, margin=0.12)
+    view = fit_view(points, **choose_angles(points, faces, options), width=width, height=width, margin=0.12)
     fine = view._replace(width=2 * width, height=2 * width, scale=2 * view.scale)
     jump = 0.012 * float(np.ptp(points, axis=0).max())
     canvas.image[:] = shade_layers(rasterize_mesh(points, faces, fine), jump, 2)

@@ -181,8 +181,7 @@ function setGraph(name) {
   state.kept = null;
   light(null);
   all("svg.flat, .arcs").forEach((part) => part.toggleAttribute("hidden", part.dataset.graph !== name));
-  const box = find("#flat");
-  box.scrollLeft = (box.scrollWidth - box.clientWidth) / 2;
+  find("#graph-words").textContent = find("#graph").selectedOptions[0]?.dataset.words ?? "";
   view?.setGraph(name);
 }
 

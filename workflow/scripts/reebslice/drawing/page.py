@@ -1,20 +1,19 @@
 """The page of a model: one HTML file that loads nothing, made of a scene in binary glTF."""
 
 import base64
-import hashlib
 import zlib
-from functools import cache
 from html import escape
-from importlib.resources import files
 from typing import NamedTuple
 
 import numpy as np
 
 from ..formats.glb import write_glb
 from .flat_svg import define_marks, draw_svg
-from .page_words import HAPPENINGS, SYMBOLS, describe_model, describe_verdict, write_key, write_tables
+from .page_words import HAPPENINGS, describe_model, describe_verdict, write_key, write_tables
 from .rasters import widest_azimuth
 from .scene import list_parts
+from .templates import fill_template, read_template, write_policy
+from .verdicts import SYMBOLS
 from .views import fit_view, project_points
 
 ELEVATION = 20.0  # degrees: from where the model is seen first
@@ -87,12 +86,12 @@ def _draw_graphs(model, azimuth):
 
 def _write_html(told, model, glb, drawn, notes):
     """Fill the template."""
-    style, three = _read("page.css"), _read("three.min.js")
-    code = "\n".join(map(_read, ("page.js", "page_view.js", "page_shapes.js", "page_pointer.js")))
+    style, three = read_template("shared.css") + read_template("page.css"), read_template("three.min.js")
+    code = "\n".join(map(read_template, ("page.js", "page_view.js", "page_shapes.js", "page_pointer.js")))
     unit = _symbol(told)
     first = choose_graph(model.graphs)
     fields = {
-        "policy": _write_policy(style, three, code),
+        "policy": write_policy(style, three, code),
         "style": style,
         "name": escape(told.name),
         "verdict": escape(told.certificate["verdict"].replace("_", " ")),
@@ -109,8 +108,7 @@ def _write_html(told, model, glb, drawn, notes):
         "three": three,
         "code": code,
     }
-    parts = _read("page.html").split("@@")  # text and names of fields in turn
-    return "".join(fields[part] if k % 2 else part for k, part in enumerate(parts))
+    return fill_template(read_template("page.html"), fields)
 
 
 def choose_graph(graphs):
@@ -131,28 +129,13 @@ def choose_graph(graphs):
 def _write_choices(graphs, first):
     """The options of the choice of a graph."""
     words = {
-        "solid": "solid: one line per part of the material",
-        "solid_simplified": "solid, simplified: without small features",
-        "surface": "surface: one line per tube of the surface",
-        "surface_simplified": "surface, simplified",
+        "solid": ("solid", "One line per part of the material."),
+        "solid_simplified": ("solid, simplified", "One line per part of the material, without small features."),
+        "surface": ("surface", "One line per tube of the surface."),
+        "surface_simplified": ("surface, simplified", "One line per tube of the surface, without small features."),
     }
     return "".join(
-        f'<option value="{name}"{" selected" if name == first else ""}>{words[name]} '
+        f'<option value="{name}" data-words="{words[name][1]}"{" selected" if name == first else ""}>{words[name][0]} '
         f"({len(graph.nodes)} nodes, {len(graph.arcs)} arcs)</option>"
         for name, graph in graphs.items()
     )
-
-
-def _write_policy(style, *scripts):
-    """A content security policy that lets these run and be applied, and nothing else, nothing loaded nor sent."""
-
-    def digest(text):
-        return "'sha256-" + base64.b64encode(hashlib.sha256(text.encode()).digest()).decode() + "'"
-
-    return f"default-src 'none'; script-src {' '.join(map(digest, scripts))}; style-src {digest(style)}; img-src data:"
-
-
-@cache
-def _read(name):
-    """The text of a file beside this module."""
-    return (files(__package__) / name).read_text(encoding="utf-8")

@@ -8,13 +8,9 @@ from .flat_svg import draw_mark
 from .loops import WORDS as LOOP_WORDS
 from .marks import MARKS
 from .pockets import WORDS as POCKET_WORDS
+from .verdicts import VERDICTS, shorten_numbers
 
 ROWS = 300  # of a table
-VERDICTS = {
-    "exact": "Proven: the graphs are the Reeb graphs of this surface and its solid, with every event in them.",
-    "exact_at_feature_size": "Proven for every feature at least {size} high; what is smaller may share a node.",
-    "uncertified": "Not proven: {reason}",
-}
 # What happens in each event of `schemas.EVENTS` as the height rises.
 HAPPENINGS = {
     "->o": "material begins",
@@ -36,7 +32,6 @@ OPERATION_WORDS = {
     "separation": "contours part",
     "annihilation": "a contour ends",
 }
-SYMBOLS = {"micron": "\u00b5m", "millimetre": "mm", "centimetre": "cm", "metre": "m", "inch": "in", "foot": "ft"}
 SIDE_WORDS = {"A": "material appears as the height rises", "B": "void appears as the height rises"}
 
 
@@ -57,7 +52,8 @@ def describe_verdict(certificate, unit):
     words = VERDICTS.get(certificate["verdict"], "")
     size = certificate.get("feature_size")
     return words.format(
-        size=format_figure(size, unit) if size else "the feature size", reason=certificate.get("reason")
+        size=format_figure(size, unit) if size else "the feature size",
+        reason=shorten_numbers(certificate.get("reason") or ""),
     )
 
 
@@ -84,7 +80,7 @@ def describe_model(told, model, unit):
     words.append(f"{len(model.heights):,} levels")
     words.append(f"{len(model.faces):,} faces")
     if certificate.get("void_verdict") == "uncertified":
-        words.append(f"pockets are not certified: {certificate.get('void_reason') or 'see the certificate'}")
+        words.append(f"pockets are not certified: {shorten_numbers(certificate.get('void_reason') or '')}")
     return [text for text in words if text]
 
 

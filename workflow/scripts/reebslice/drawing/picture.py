@@ -18,10 +18,10 @@ from .flat import Panel, draw_flat
 from .labels import spread_labels
 from .legend import draw_legend, draw_scale
 from .marks import CASED, FAR, INK, LABELLED, SOFT, draw_nodes, mark_size
-from .rasters import rasterize_mesh, widest_azimuth
+from .rasters import choose_angles, rasterize_mesh
 from .shading import shade_layers
 from .titles import write_title
-from .views import choose_elevation, fit_view, project_points, view_axes
+from .views import fit_view, project_points, view_axes
 
 POINTS = (864, 518.4)  # size of the picture, in the points that words and lines are measured in
 
@@ -144,13 +144,11 @@ def arrange(width, height, body, options):
     flat : Panel
         The part on its right.
     """
-    points, azimuth, elevation = body.points, options.get("azimuth"), options.get("elevation")
-    elevation = choose_elevation(points) if elevation is None else float(elevation)
-    azimuth = widest_azimuth(points, body.faces, elevation) if azimuth is None else float(azimuth)
+    points, angles = body.points, choose_angles(body.points, body.faces, options)
     tall = 0.78 * height
-    seen = np.ptp(view_axes(azimuth, elevation)[:2] @ points.T, axis=1) if len(points) else np.ones(2)
+    seen = np.ptp(view_axes(**angles)[:2] @ points.T, axis=1) if len(points) else np.ones(2)
     part = np.clip(np.clip(seen[0] / max(seen[1], 1e-300), 0.1, 10) * tall / width, 0.34, 0.56)
-    view = fit_view(points, azimuth, elevation, round(part * width), round(tall))
+    view = fit_view(points, **angles, width=round(part * width), height=round(tall))
     flat = Panel((part + 0.075) * width, 0.145 * height, (0.90 - part) * width, 0.735 * height)
     return view, np.array([round(0.01 * width), round(0.115 * height)]), flat
 

@@ -15,7 +15,7 @@ import numpy as np
 
 from ..kernels import njit
 from .normals import corner_normals, find_vertex_normals
-from .views import view_axes
+from .views import choose_elevation, view_axes
 
 SUBPIXELS = 256
 _HALF = SUBPIXELS // 2
@@ -189,6 +189,27 @@ def _project_finely(points, view):
         seen[i, 0], seen[i, 1] = column, -row
         seen[i, 2] = (x * axes[2, 0] + y * axes[2, 1] + z * axes[2, 2]) * scale
     return seen, grid
+
+
+def choose_angles(points, faces, options):
+    """Choose from where a model is seen.
+
+    Parameters
+    ----------
+    points, faces
+        As for :func:`widest_azimuth`.
+    options : dict
+        azimuth and elevation, degrees; None for the largest silhouette, and for what suits the model.
+
+    Returns
+    -------
+    dict
+        azimuth and elevation, degrees.
+    """
+    azimuth, elevation = options.get("azimuth"), options.get("elevation")
+    elevation = choose_elevation(points) if elevation is None else float(elevation)
+    azimuth = widest_azimuth(points, faces, elevation) if azimuth is None else float(azimuth)
+    return {"azimuth": azimuth, "elevation": elevation}
 
 
 def widest_azimuth(points, faces, elevation):

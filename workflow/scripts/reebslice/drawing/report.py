@@ -1,0 +1,124 @@
+"""The report of a corpus: a page with all models, what needs a look first, and how the figures are distributed."""
+
+import json
+from html import escape
+from typing import NamedTuple
+from urllib.parse import quote
+
+from .report_charts import draw_chart
+from .report_figures import list_figures
+from .report_looks import find_looks
+from .report_words import count_models, plain_kind, write_looks, write_verdicts, write_versions
+from .templates import fill_template, read_template, write_policy
+from .verdicts import KINDS, SYMBOLS, shorten_numbers, tell_kind
+
+FOLDER = "../models/"  # of the models, from the page
+# Files of a model that are linked, what shows most of it first, and what they are called.
+LINKED = {
+    "view.html": "page",
+    "picture.png": "picture",
+    "loops.png": "loops",
+    "pockets.png": "pockets",
+    "certificate.json": "certificate",
+    "inspection.json": "inspection",
+}
+
+
+class Run(NamedTuple):
+    """How the models were made.
+
+    Attributes
+    ----------
+    meshes : str
+        Their folder.
+    config : str
+        The configuration as text.
+    own : int
+        Number of models with a configuration of their own.
+    versions : dict of str to str
+        Of the programs, by name.
+    """
+
+    meshes: str
+    config: str
+    own: int
+    versions: dict
+
+
+def make_report(table, files, thumbnails, run):
+    """Make the page.
+
+    Parameters
+    ----------
+    table : pyarrow.Table
+        Of models, sorted by them.
+    files : list of set of str
+        Of each model those of :data:`LINKED` and `thumbnail.png` that are there.
+    thumbnails : list of str or None
+        Thumbnails in base64, or None where the page is to load them from the folder of the model.
+    run : Run
+
+    Returns
+    -------
+    str
+        HTML, the same for the same input. It loads nothing but thumbnails, by relative addresses.
+    """
+    looks_at = ("model", "path", "status", "verdict", "reason", "solid_interpretation", "self_crossings")
+    looks_at += ("body_crossings", "hidden_genus", "genus", "void_verdict", "void_reason")
+    rows = table.select([name for name in looks_at if name in table.column_names]).to_pylist()
+    kinds, figures, looks = (
+        [tell_kind(row["status"], row["verdict"]) for row in rows],
+        list_figures(table),
+        find_looks(rows),
+    )
+    names = [row["model"] for row in rows]
+    data = _gather_data(table, rows, kinds, figures, looks, files, thumbnails)
+    style, code = read_template("shared.css") + read_template("report.css"), read_template("report.js")
+    own = f"<p>{count_models(run.own)} of the sheet have some keys of their own.</p>" if run.own else ""
+    fields = {
+        "policy": write_policy(style, code, images="data: file: 'self'"),
+        "style": style,
+        "title": f"Report of {count_models(len(rows))}",
+        "meshes": f"<code>{escape(run.meshes)}</code>",
+        "verdicts": write_verdicts(kinds),
+        "looks": write_looks(looks, names, [_find_link(*pair) for pair in zip(names, files)]),
+        "charts": "".join(draw_chart(figure, values) for figure, values in figures.items() if figure.shown),
+        "own": own,
+        "config": escape(run.config),
+        "versions": write_versions(run.versions),
+        "data": json.dumps(data, separators=(",", ":")).replace("<", "\\u003c"),
+        "code": code,
+    }
+    return fill_template(read_template("report.html"), fields)
+
+
+def _find_link(name, there):
+    """The relative address of what shows most of a model, or None."""
+    file = next((file for file in LINKED if file in there), None)
+    return file and f"{FOLDER}{quote(name)}/{file}"
+
+
+def _gather_data(table, rows, kinds, figures, looks, files, thumbnails):
+    """What the table on the page is made of: columns of equal length, texts that occur often by number."""
+    order = [*KINDS, *sorted(set(kinds) - set(KINDS))]
+    reasons = {}
+    units = table["unit"].to_pylist() if "unit" in table.column_names else [None] * len(rows)
+    return {
+        "folder": FOLDER,
+        "models": [row["model"] for row in rows],
+        "paths": [row["path"] for row in rows],
+        "kinds": [[kind, plain_kind(kind)] for kind in order],
+        "kind": [order.index(kind) for kind in kinds],
+        "reason": [reasons.setdefault(shorten_numbers(row["reason"] or ""), len(reasons)) for row in rows],
+        "reasons": list(reasons),
+        "units": [SYMBOLS.get(unit, unit) for unit in units] if any(units) else [],
+        "linked": list(LINKED.items()),
+        "files": [sum(1 << k for k, name in enumerate(LINKED) if name in there) for there in files],
+        "thumbnails": thumbnails if thumbnails is not None else [int("thumbnail.png" in there) for there in files],
+        "looks": [look.models for look in looks],
+        "figures": [
+            {"label": figure.label, "name": figure.name, "words": figure.words, "power": figure.power,
+             "shown": figure.shown, "values": values}
+            for figure, values in figures.items()
+        ],
+    }  # fmt: skip

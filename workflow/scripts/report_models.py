@@ -1,0 +1,89 @@
+"""Make the report of a corpus, `report.html`: all models, what needs a look first, and distributions.
+
+One page that loads nothing from a network. Of few models it holds the
+thumbnails; of many it takes them from the folders of the models, as they come
+into sight.
+"""
+
+import base64
+import os
+import platform
+from importlib.metadata import PackageNotFoundError, version
+
+import pyarrow.parquet as pq
+import yaml
+
+from corpus.layout import MODELS_FOLDER, REPORT_PAGE
+from corpus.process import print_into, trim_startup
+from corpus.receipts import seal_table
+from corpus.whole_files import place_whole, remove_remains
+from reebslice import __version__
+from reebslice.drawing.report import Run, make_report
+
+HELD = 200  # models, up to which the page holds their thumbnails
+THUMBNAIL = "thumbnail.png"
+# Files of a model that the page links to or shows, and the stages that write them.
+WRITERS = {
+    "view.html": "view",
+    "picture.png": "draw",
+    THUMBNAIL: "draw",
+    "loops.png": "draw_loops",
+    "pockets.png": "cut_pockets",
+    "certificate.json": "certify",
+    "inspection.json": "inspect_mesh",
+}
+PACKAGES = (
+    "snakemake",
+    "numpy",
+    "numba",
+    "pyarrow",
+    "shapely",
+    "scipy",
+    "networkx",
+    "trimesh",
+    "manifold3d",
+    "cascadio",
+)
+PACKAGES += ("mapbox-earcut", "fast-simplification", "pillow")
+
+
+def main(table, config, own, stages):
+    """Return the report as text.
+
+    table : pyarrow.Table of models. config : dict, what is told of the
+    configuration. own : number of models with one of their own. stages : those
+    that the configuration wants; what others left of a model is not linked.
+    """
+    wanted = [name for name, stage in WRITERS.items() if stage in stages]
+    folders = [MODELS_FOLDER / model for model in table["model"].to_pylist()]
+    files = [{name for name in wanted if os.path.isfile(folder / name)} for folder in folders]
+    thumbnails = [_read_thumbnail(*pair) for pair in zip(folders, files)] if len(folders) <= HELD else None
+    told = yaml.safe_dump(config, sort_keys=False, default_flow_style=None, width=100)
+    return make_report(table, files, thumbnails, Run(config["meshes"], told, own, list_versions()))
+
+
+def _read_thumbnail(folder, files):
+    """The thumbnail of a model in base64, or None."""
+    return base64.b64encode((folder / THUMBNAIL).read_bytes()).decode() if THUMBNAIL in files else None
+
+
+def list_versions():
+    """Return the versions of the programs that results depend on, by name, as far as they are installed."""
+    versions = {"reebslice": __version__, "Python": platform.python_version()}
+    for package in PACKAGES:
+        try:
+            versions[package] = version(package)
+        except PackageNotFoundError:
+            continue
+    return versions
+
+
+if "snakemake" in globals():
+    print_into(snakemake.log[0])
+    trim_startup()
+    remove_remains(REPORT_PAGE.parent, REPORT_PAGE.name)
+    table = pq.read_table(snakemake.input.table)
+    text = main(table, *(snakemake.params[name] for name in ("config", "own", "stages")))
+    with place_whole(REPORT_PAGE, durably=True) as scratch:
+        scratch.write_text(text, encoding="utf-8")
+    seal_table(REPORT_PAGE)
