@@ -70,7 +70,7 @@ def find_broken_promises(batches, outputs, verify=False):
 
 
 def find_altered(path, *more):
-    """Return, in a list, the path of what is over all models where it is there, but it or more is not as written; else []."""
+    """Return, in a list, the path of what is over all models where it is there and altered, itself or more; else []."""
     names = [file.name for file in (path, *more)]
     return [str(path)] if path.exists() and not valid_receipt(path.parent, path.stem, "", names) else []
 

@@ -5,7 +5,8 @@ import numpy as np
 from .canvas import Words, draw_lines, draw_marks, measure_text, rgb
 from .labels import scale_bar
 from .marks import INK, LABELLED, SOFT, group_marks, mark_style, ring_style
-from .page_words import SIDE_WORDS, SYMBOLS
+from .page_words import SIDE_WORDS
+from .verdicts import SYMBOLS
 
 # What happens at each operation and side as the height rises.
 EVENT_WORDS = {
