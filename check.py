@@ -231,7 +231,7 @@ def check_graph(path, handles, arcs, part, edges, exact):
     """(6) Refuse unless a graph, edges inside parts contracted, has these edges; return its size in words."""
     (nodes, found), held, inside, ends, across = read_graph(path), Counter(part), {}, [], Counter()
     for name, data in nodes.items():
-        row = {k: handles[k][int(name[1:])] for k in NODE}
+        row = {f"vertex_{k}" if f"vertex_{k}" in data else k: handles[k][int(name[1:])] for k in NODE}
         need(name == f"h{row['handle']}" and data | row == data, f"{path.name}: node {name} is not as its handle")
         held[part[data["handle"]]] -= data["n_handles"]
         inside.setdefault(part[data["handle"]], []).append(data["handle"])

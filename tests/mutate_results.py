@@ -52,7 +52,9 @@ def read_model(folder, without=()):
     for name in GRAPHS:
         nodes, edges = check.read_graph(folder / name)
         # 0.0 and -0.0 are one number
-        told.append(sorted((name, *(repr(data.get(k) or 0) for k in labels)) for name, data in nodes.items()))
+        # where a node of the solid's graph lies in the material is not asked; its vertex is
+        rows = ((name, *(data.get(f"vertex_{k}", data.get(k)) for k in labels)) for name, data in nodes.items())
+        told.append(sorted((name, *(repr(value or 0) for value in values)) for name, *values in rows))
         ends = [k for k in ("lower", "upper", "inner") if k not in without]
         told.append(sorted((*sorted((a, b)), *(repr(data.get(k) or 0) for k in ends)) for a, b, data in edges))
     return told, json.loads((folder / "certificate.json").read_text())["verdict"]

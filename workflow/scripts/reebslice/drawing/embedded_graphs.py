@@ -170,9 +170,9 @@ def find_vertices(nodes):
 
 
 def _take_graph(graph):
-    """Nodes, ends (A, 2) and arcs of a graph, by the numbers of its arcs, the lower end first."""
+    """Nodes, ends (A, 2) and arcs of a graph, by the numbers of its arcs, the lower end first; without NaN."""
     place = {name: k for k, name in enumerate(graph.nodes)}
-    nodes = [{"name": name} | facts for name, facts in graph.nodes.items()]
+    nodes = [{"name": name} | {k: v for k, v in facts.items() if v == v} for name, facts in graph.nodes.items()]
     edges = sorted(graph.edges, key=lambda edge: edge[2]["arc"])
     ends = [sorted((place[a], place[b]), key=lambda k: (nodes[k]["height"], k)) for a, b, _ in edges]
     arcs = [

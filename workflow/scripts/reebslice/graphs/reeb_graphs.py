@@ -9,10 +9,8 @@ from ..arrays.components import connected_items
 from ..formats.graphml import Graph
 from .simplification import simplify_graph
 
-JOINT_COLUMNS = (
-    *("handle", "x", "y", "z", "height", "index", "side", "operation", "change", "branches", "n_handles"),
-    *("region", "vertex_x", "vertex_y", "vertex_z"),  # of the solid's nodes alone
-)
+JOINT_COLUMNS = ("handle", "x", "y", "z", "height", "index", "side", "operation", "change", "branches", "n_handles")
+PLACE_COLUMNS = ("region", "vertex_x", "vertex_y", "vertex_z")  # of the solid's nodes alone
 POINT_COLUMNS = ("node", "level", "region", "x", "y", "z", "height", "critical", "area", "inscribed_radius", "n_holes")
 # What stands for an attribute that a node or edge does not have: GraphML holds no nulls, and readers refuse gaps.
 WORDS = ("side", "operation", "change")
@@ -43,8 +41,7 @@ def reeb_graph(arcs, joints, attributes, prefix):
         may join the same two nodes. All nodes have all attributes, and all edges; one that is unknown or does
         not apply is "", -1 or NaN.
     """
-    columns = [name for name in JOINT_COLUMNS if any(name in row for row in joints.values())]
-    nodes = {joint_name(number): _joint(number, joints[number], columns) for number in sorted(joints)}
+    nodes = {joint_name(number): _joint(number, joints[number]) for number in sorted(joints)}
     edges = [
         (
             joint_name(row["source"]),
@@ -136,10 +133,10 @@ def augmented_graph(parts, joints, nodes, similarity):
         Node n5 is the material point 5, h7 the joint 7. An edge between two
         points is a continuation; an edge at a joint carries its operation.
     """
-    rest = [name for name in POINT_COLUMNS if name not in JOINT_COLUMNS]
+    rest = [name for name in POINT_COLUMNS if name not in (*JOINT_COLUMNS, "region")]
     lacks = _fill({"critical": True}, rest)
     named = {joint_name(k): {"kind": "handle"} | _joint(k, joints[k]) | lacks for k in sorted(joints)}
-    lacks = {"kind": "point"} | _fill({"branches": False, "n_handles": 0}, ("label", *JOINT_COLUMNS))
+    lacks = {"kind": "point"} | _fill({"branches": False, "n_handles": 0}, ("label", *JOINT_COLUMNS, *PLACE_COLUMNS))
     for row in nodes.select(POINT_COLUMNS).to_pylist():
         named[f"n{row['node']}"] = lacks | {"label": f"n{row['node']}"} | row
     edges = []
@@ -191,9 +188,9 @@ def joint_name(number):
     return f"h{number}" if number >= 0 else f"b{-1 - number}"
 
 
-def _joint(number, row, columns=JOINT_COLUMNS):
+def _joint(number, row):
     """The attributes of the node of a joint; the first one are words to show."""
-    facts = _fill(row, columns)
+    facts = _fill(row, JOINT_COLUMNS if "region" not in row else (*JOINT_COLUMNS, *PLACE_COLUMNS))
     words = row.get("label") or " ".join(filter(None, (joint_name(number), facts["operation"], facts["side"])))
     return {"label": words} | facts
 
