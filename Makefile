@@ -26,7 +26,7 @@ READY := $(VENV)/.ready
 
 run: $(READY) data/meshes
 	$(BIN)/snakemake --cores $(CORES)
-	@echo "Results of every model: $(CURDIR)/results/models/"
+	@echo "Open in a browser: $(CURDIR)/results/corpus/report.html"
 
 test: $(READY)
 	$(BIN)/python -m pytest -n $(CORES) --dist loadfile

@@ -276,6 +276,8 @@ def tell_of_compiling():
     """Say why a first run takes long."""
     if not os.path.isdir(COMPILED):
         logger.info("The first run compiles the library as it goes, which takes some minutes; later ones do not.")
+        if PROGRESS:
+            PROGRESS.timed = False
 
 
 def keep_going():

@@ -52,10 +52,13 @@ def list_carried(models, report):
     """
     files, left, room = [], 0, float("inf") if report.endswith(".zip") else MOST
     for model in models:
+        if set("{}<>") & set(model):  # the report would read these as wildcards or marks
+            left += 1
+            continue
         own = [
             (str(MODELS_FOLDER / model / name), model, called, caption)
             for name, called, caption in CARRIED
-            if os.path.isfile(MODELS_FOLDER / model / name) and not set("{}<>") & set(model)
+            if os.path.isfile(MODELS_FOLDER / model / name)
         ]
         size = sum(os.path.getsize(path) for path, *_ in own)
         if size > room:

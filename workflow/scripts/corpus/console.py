@@ -51,6 +51,7 @@ class Progress(LogHandlerBase):
     def __post_init__(self):
         self.name = "ReebsliceProgress"
         self.shown = None  # the default handler
+        self.timed = True  # whether the time that jobs took tells of the time left; not while they compile
         self._left, self._running, self._all = {}, {}, 0.0
         self._told, self._line, self._due = (0.0, 0.0), "", False
 
@@ -125,7 +126,7 @@ class Progress(LogHandlerBase):
     def _time_left(self):
         """Say about how long the run will take from here, by how long it took so far; '' where that says little."""
         part = 1 - self._work_left() / self._all
-        if not EARLY < part < 1:
+        if not (self.timed and EARLY < part < 1):
             return ""
         seconds = (time.monotonic() - self._began) * (1 - part) / part
         return f"about {_round_time(seconds)} left"

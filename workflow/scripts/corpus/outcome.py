@@ -34,7 +34,8 @@ def tell_outcome(path):
     for kind in looked:
         told = [f"{row['model']}: {kind}: {shorten_numbers(row['reason'])}" for row in rows if _kind(row) == kind]
         lines += list_first(told)
-    unsure = [row["model"] for row in rows if "basins_count" in row and row.get("void_verdict") == "uncertified"]
+    sound = [row for row in rows if _kind(row) in SOUND]
+    unsure = [row["model"] for row in sound if "basins_count" in row and row.get("void_verdict") == "uncertified"]
     if unsure:
         lines.append(f"Pockets are not certified of {len(unsure)}, as the column void_reason says: {unsure[0]} first")
     return [*lines, f"All models, with reasons and figures: {path.absolute()}"], kinds["FAILED"]

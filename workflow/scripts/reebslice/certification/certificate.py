@@ -69,7 +69,10 @@ VOID_SHARED = (
 )
 NO_VOID = " The void has no graph here."
 HEURISTIC = "Links by a heuristic are not certified; take edges: {method: exact}."
-DIFFERENT = "The results do not fit the mesh; make the model's results anew, and if it fails again, report it."
+DIFFERENT = (
+    "The results do not fit the mesh; delete the model's folder in results/models and start again, and if it fails "
+    "again, report it."
+)
 
 BY_SOS = (
     "Neighbouring vertices have one height, or differ by no more than rounding. The graphs are those of the height "

@@ -26,7 +26,7 @@ MATTERS = {
     "crossing": (
         "Surfaces that cross",
         "The graph of the surface is proven; what is material where the surface crosses itself, or bodies overlap, is "
-        "a choice. inspect: {overlaps: union} unites bodies that overlap; else mend the mesh, or take it so.",
+        "a choice. inspect: {overlaps: union} unites bodies that overlap; mend what crosses itself, or take it so.",
     ),
     "hidden": (
         "Loops that the graphs do not show",
@@ -101,5 +101,5 @@ def _list_matters(row):
 def _find_skeleton(row, reason):
     """The reason without what is this model's own: names, paths and numbers."""
     for own in (row["path"], row["model"]):
-        reason = reason.replace(own, "\0") if own else reason
+        reason = re.sub(rf"(?<!\w){re.escape(own)}(?!\w)", "\0", reason) if own else reason
     return NUMBER.sub("0", QUOTED.sub("''", reason))
