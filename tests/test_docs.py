@@ -2,6 +2,8 @@
 
 import fnmatch
 import re
+import subprocess
+import sys
 from pathlib import Path
 
 import pytest
@@ -38,3 +40,11 @@ def test_snippets_run():
     snippets = re.findall(r"```python\n(.*?)```", page, re.DOTALL)
     assert len(snippets) == 1
     assert run_python(snippets[0]).split() == ["1", "0"]
+
+
+def test_pages_are_made_without_a_warning_and_examples_run(tmp_path):
+    options = ("--quiet", "--fail-on-warning", "--keep-going", "-b", "html")
+    command = [sys.executable, "-m", "sphinx", *options, DOCS, tmp_path]
+    done = subprocess.run(command, cwd=DOCS.parent, capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stdout + done.stderr
+    assert (tmp_path / "gallery" / "plot_from_results.html").exists()

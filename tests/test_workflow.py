@@ -328,7 +328,7 @@ def test_a_run_that_digests_everything_notices_what_has_size_and_time_of_before(
     assert {path.parent.name for path in other} == {"sub__wide box"}  # the picture is as it was
     assert {"vertices.parquet", "picture.png", "certificate.json"} <= {path.name for path in other}
     changed = {name for name, time in stamps(folder, "tall").items() if time != old[name]}
-    assert changed == {"picture.png", receipt_name("draw")}
+    assert changed == {"picture.png", "thumbnail.png", receipt_name("draw")}
 
 
 def test_a_side_stage_that_is_switched_off_is_not_asked_for_and_its_results_stay_right(folder):

@@ -129,7 +129,7 @@ function light(what) {
 /** Light what is pointed at, or, where nothing is, what was kept. */
 const point = (what) => light(what ?? state.kept);
 
-/** The critical vertex of a node, which of the solid's graph lies in the material, apart from it. */
+/** The critical vertex of a node; a node of the solid's graph lies in the material, apart from it. */
 function vertexOf(node) {
   return [node.vertex_x ?? node.x, node.vertex_y ?? node.y, node.vertex_z ?? node.z].join(" ");
 }
