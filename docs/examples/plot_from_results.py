@@ -15,7 +15,8 @@ import networkx as nx
 import pandas as pd
 
 # %%
-# The workflow, here over three of the examples, without what is not asked for below. With results of your own, leave this out.
+# The workflow, here over three of the examples, without what is not asked for below. With results of your own, leave
+# this out.
 
 checkout = Path("../..").resolve()  # this script lies in docs/examples
 here = checkout / "build/notebook"
