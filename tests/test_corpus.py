@@ -549,6 +549,9 @@ def test_what_a_stage_aside_refuses_leaves_the_model_its_verdict_and_is_told():
     write_json(MODELS_FOLDER / "a" / "certificate.json", {"verdict": "exact"})
     (found,) = model_table.make_model_table(tables).to_pylist()
     assert (found["status"], found["verdict"], found["reason"]) == ("ok", "exact", "too many")
+    write_json(MODELS_FOLDER / "a" / "certificate.json", {"verdict": "uncertified", "reason": "Links are guessed."})
+    (found,) = model_table.make_model_table(tables).to_pylist()
+    assert found["reason"] == "Links are guessed. too many"
 
 
 def test_the_table_of_models_does_not_depend_on_the_batches():

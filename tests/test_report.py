@@ -76,6 +76,21 @@ def make_page(folder, rows, monkeypatch):
     return page
 
 
+def test_a_report_of_some_models_says_what_picked_them(tmp_path, monkeypatch):
+    page = make_page(tmp_path, make_rows(2), monkeypatch)
+    assert "picks, by verdict" not in page.read_text()
+    config = check_config({"meshes": "meshes", "only": ["a<b", "c*"]}, SCHEMA)
+    told = report_models.main(pa.Table.from_pylist(make_rows(2)), config, 0, STAGES)
+    assert "that <code>only=[&#x27;a&lt;b&#x27;, &#x27;c*&#x27;]</code> picks, by verdict" in told
+
+
+def test_names_within_other_words_do_not_split_a_reason():
+    reason = "the surface is open in 'meshes/{0}.stl', near {0}"
+    rows = [{"status": "rejected", "verdict": "rejected", "reason": reason.format(name), "model": name,
+             "path": f"meshes/{name}.stl"} for name in ("a", "e", "part")]  # fmt: skip
+    assert [look.models for look in find_looks(rows)] == [[0, 1, 2]]
+
+
 def read_data(page):
     return json.loads(re.search(r'id="data">(.*?)</script>', page.read_text(), re.DOTALL)[1])
 
@@ -257,6 +272,9 @@ def test_a_report_of_snakemake_carries_what_fits(tmp_path, monkeypatch):
     ]
     with open(f"results/models/{ok[0]}/view.html", "wb") as large:
         large.truncate(int(MOST))  # sparse
+    (Path("results/models") / "{x}").mkdir()
+    (Path("results/models") / "{x}" / "view.html").write_bytes(DOT)
+    assert list_carried(["{x}"], "report.zip") == ([], 1)
     files, left = list_carried(models, "report.html")
     assert left == 1 and {model for _, model, *_ in files} == set(ok[1:])
     assert list_carried(models, "report.zip")[1] == 0

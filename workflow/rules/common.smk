@@ -241,8 +241,8 @@ def carried_files(wildcards):
     files, left = list_carried(MODELS, UNDERWAY[0]) if UNDERWAY else ([], 0)
     if left:
         logger.warning(
-            f"Pages and pictures of {left} models are left out of {UNDERWAY[0]}, which would be too large to be opened; "
-            "--report report.zip takes all of them"
+            f"Pages and pictures of {left} models are left out of {UNDERWAY[0]}: beyond 60 MB it would not open "
+            "(--report report.zip takes more), and models with {, }, < or > in their names it cannot take"
         )
     return flag_files(files, CAPTIONS)
 

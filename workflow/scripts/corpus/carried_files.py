@@ -48,20 +48,17 @@ def list_carried(models, report):
     -------
     files : list of (path, model, what it is called, name of its caption)
     left : int
-        Number of models whose files are left out.
+        Number of models whose files are left out, by their size or because of characters in their names.
     """
     files, left, room = [], 0, float("inf") if report.endswith(".zip") else MOST
     for model in models:
-        if set("{}<>") & set(model):  # the report would read these as wildcards or marks
-            left += 1
-            continue
         own = [
             (str(MODELS_FOLDER / model / name), model, called, caption)
             for name, called, caption in CARRIED
             if os.path.isfile(MODELS_FOLDER / model / name)
         ]
         size = sum(os.path.getsize(path) for path, *_ in own)
-        if size > room:
+        if size > room or (own and set("{}<>") & set(model)):  # which the report would read as wildcards or marks
             left += 1
             continue
         room -= size

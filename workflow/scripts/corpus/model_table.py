@@ -50,8 +50,8 @@ def _join_stages(stages, paths):
         row |= {name: figure for name, figure in figures.items() if name not in row}
         if fault and row["status"] in ("ok", "rejected"):
             row |= {"status": "failed", "reason": fault}
-        if row["status"] == "ok":  # why it is uncertified
-            row["reason"] = figures.get("reason") or row["reason"]
+        if row["status"] == "ok":  # why it is uncertified, and what was refused aside
+            row["reason"] = " ".join(filter(None, (figures.get("reason"), row["reason"])))
         if row["status"] != "ok":
             row["verdict"] = "rejected" if row["status"] == "rejected" else None
     return list(rows.values())

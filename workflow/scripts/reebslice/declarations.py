@@ -21,3 +21,24 @@ def table(key, description, *columns):
     """Declare a table by its primary key, what a row of it is, and its columns."""
     metadata = {"reebslice:primary_key": key, "description": description}
     return pa.schema([_field(*column[:3], **dict(column[3:])) for column in columns], metadata=metadata)
+
+
+def with_model(schema):
+    """Declare a table of one model as its file holds it.
+
+    Parameters
+    ----------
+    schema : pyarrow.Schema
+        Of :func:`table`.
+
+    Returns
+    -------
+    pyarrow.Schema
+        The first column is `model`, so that the tables of many models can be put together; in memory a table is of
+        one model and does without. Metadata tell the key of the rows.
+    """
+    if "model" in schema.names:
+        return schema
+    key = f"model, {schema.metadata[b'reebslice:primary_key'].decode()}"
+    model = table(key, schema.metadata[b"description"].decode(), ("model", TEXT, "Id of the model."))
+    return pa.schema([*model, *schema], metadata=model.metadata)

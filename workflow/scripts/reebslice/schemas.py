@@ -9,9 +9,7 @@ inspection.json names where the format has one.
 
 from functools import cache
 
-import pyarrow as pa
-
-from .declarations import FLAG, INT, INTS, REAL, TEXT, WKB, table
+from .declarations import FLAG, INT, INTS, REAL, TEXT, WKB, table, with_model
 from .side_tables import SIDE_TABLES
 
 FORMAT_VERSION = "2"
@@ -286,22 +284,5 @@ SCHEMAS |= SIDE_TABLES
 
 @cache
 def file_schema(name):
-    """Declare a table as its file holds it.
-
-    Parameters
-    ----------
-    name : str
-        One of `SCHEMAS`.
-
-    Returns
-    -------
-    pyarrow.Schema
-        The first column is `model`, so that the tables of many models can be put together; in memory a table is of
-        one model and does without. Metadata tell the key of the rows.
-    """
-    schema = SCHEMAS[name]
-    if "model" in schema.names:
-        return schema
-    key = f"model, {schema.metadata[b'reebslice:primary_key'].decode()}"
-    model = table(key, schema.metadata[b"description"].decode(), ("model", TEXT, "Id of the model."))
-    return pa.schema([*model, *schema], metadata=model.metadata)
+    """Declare a table of `SCHEMAS` as its file holds it (:func:`.declarations.with_model`)."""
+    return with_model(SCHEMAS[name])

@@ -79,7 +79,7 @@ def paint_levels(canvas, title, body, events, options):
         draw_lines(canvas, [np.array([start, stop])], rgb(GREY), 0.5)
         draw_marks(canvas, [spot], **mark_style(handle["operation"], handle["side"], 7))
         words += _tell_event(handle, panel.left, row, unit, title.unit)
-    words += draw_scale(canvas, view, corner[0] + 0.98 * view.width, corner[1] + 0.985 * view.height, title.unit)
+    words += draw_scale(canvas, view, corner, title.unit)
     write_words(canvas, words)
     return canvas
 
@@ -144,7 +144,7 @@ def paint_links(canvas, title, body, links, options):
         row += 16 * unit
         draw_marks(canvas, [(panel.left + 9 * unit, row)], "o", size, rgb(INK), 0.6, rgb(face))
         words.append(Words(text, (panel.left + 24 * unit, row), 9, INK))
-    words += draw_scale(canvas, view, corner[0] + 0.98 * view.width, corner[1] + 0.985 * view.height, title.unit)
+    words += draw_scale(canvas, view, corner, title.unit)
     write_words(canvas, words)
     return canvas
 

@@ -71,16 +71,16 @@ def _explain_sides(canvas, marks, rows):
     return [Words(text, (0.018 * canvas.image.shape[1] + 2 * canvas.unit, y), SIZE, SOFT)]
 
 
-def draw_scale(canvas, view, right, bottom, unit):
-    """Draw a scale bar that ends at a place.
+def draw_scale(canvas, view, corner, unit):
+    """Draw a scale bar at the lower right of a view.
 
     Parameters
     ----------
     canvas : Canvas
         Drawn on in place.
     view : View
-    right, bottom : float
-        Column and row of its right end.
+    corner : (2,) int
+        Column and row of the view's upper left corner in the picture.
     unit : str or None
         Of length; None where the file does not tell it.
 
@@ -90,6 +90,7 @@ def draw_scale(canvas, view, right, bottom, unit):
         Its length.
     """
     length = scale_bar(view)
+    right, bottom = corner[0] + 0.98 * view.width, corner[1] + 0.985 * view.height
     left, tick = right - length * view.scale, 2.5 * canvas.unit
     bar = [(left, bottom - tick), (left, bottom), (right, bottom), (right, bottom - tick)]
     draw_lines(canvas, [np.array(bar)], rgb(SOFT), 1.0)

@@ -113,7 +113,7 @@ def paint_model(canvas, title, body, graph, paths, options):
     words = _draw_frame(canvas, corner, view, body.rotation)
     marks = list(graph.nodes.values())
     spots, labels = draw_flat(canvas, flat, marks, seen, ends)
-    words += draw_scale(canvas, view, corner[0] + 0.98 * view.width, corner[1] + 0.985 * view.height, title.unit)
+    words += draw_scale(canvas, view, corner, title.unit)
     for places in (seen, spots) if len(marks) <= LABELLED else ():
         numbers = [str(mark.get("handle", "")) for mark in marks]
         words += spread_labels(canvas, numbers, places, 6.5, SOFT, mark_size(len(marks)) / 2)

@@ -31,6 +31,8 @@ class Run(NamedTuple):
     ----------
     meshes : str
         Their folder.
+    only : object
+        What picked some of them, as the configuration has it; None for all.
     config : str
         The configuration as text.
     own : int
@@ -40,6 +42,7 @@ class Run(NamedTuple):
     """
 
     meshes: str
+    only: object
     config: str
     own: int
     versions: dict
@@ -74,12 +77,13 @@ def make_report(table, files, thumbnails, run):
     names = [row["model"] for row in rows]
     data = _gather_data(table, rows, kinds, figures, looks, files, thumbnails)
     style, code = read_template("shared.css") + read_template("report.css"), read_template("report.js")
+    picked = "" if run.only is None else f" that <code>only={escape(str(run.only))}</code> picks"
     own = f"<p>{count_models(run.own)} of the sheet have some keys of their own.</p>" if run.own else ""
     fields = {
         "policy": write_policy(style, code, images="data: file: 'self'"),
         "style": style,
         "title": f"Report of {count_models(len(rows))}",
-        "meshes": f"<code>{escape(run.meshes)}</code>",
+        "meshes": f"<code>{escape(run.meshes)}</code>{picked}",
         "verdicts": write_verdicts(kinds),
         "looks": write_looks(looks, names, [_find_link(*pair) for pair in zip(names, files)]),
         "charts": "".join(draw_chart(figure, values) for figure, values in figures.items() if figure.shown),
