@@ -73,7 +73,7 @@ def interrupt(round):
 
 
 def kill_main(round):
-    """Snakemake alone is killed; its job goes on beside the next run."""
+    """Snakemake alone is killed; its jobs end with it."""
     process = start(round.folder)
     round.wait(process)
     process.kill()
@@ -82,29 +82,27 @@ def kill_main(round):
 
 def kill_job(round):
     """The process of a job is killed."""
-    _kill_one(round, worker=False)
+    _kill_one(round, lambda nursery: nursery.children())
 
 
 def kill_worker(round):
     """The process that works on a model is killed, as where memory runs out."""
-    _kill_one(round, worker=True)
+    _kill_one(round, lambda nursery: [worker for job in nursery.children() for worker in job.children()])
 
 
-def _kill_one(round, worker):
+def kill_nursery(round):
+    """The process is killed of which all jobs are forks."""
+    _kill_one(round, lambda nursery: [nursery])
+
+
+def _kill_one(round, choose):
     process = start(round.folder)
     round.wait(process)
     with suppress(psutil.NoSuchProcess, IndexError):
-        jobs = [each for each in psutil.Process(process.pid).children(recursive=True) if _is_job(each)]
-        jobs = [each for each in jobs if _is_job(each.parent()) == worker]
-        round.random.choice(jobs).kill()
+        (nursery,) = [each for each in psutil.Process(process.pid).children() if "corpus.jobs" in str(each.cmdline())]
+        round.random.choice(choose(nursery)).kill()
         round.note += " hit"
     finish(process)
-
-
-def _is_job(process):
-    with suppress(psutil.NoSuchProcess):
-        return any(".snakemake/scripts/" in word for word in process.cmdline()[1:2])
-    return False
 
 
 def fill_disk(round):
@@ -235,6 +233,7 @@ FAULTS = (
     fill_disk,
     edit_before,
     kill_job,
+    kill_nursery,
     edit_during,
     kill_main,
     replace_mesh,

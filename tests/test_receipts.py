@@ -5,7 +5,6 @@ import os
 import random
 import shutil
 from pathlib import Path
-from types import SimpleNamespace
 
 import numpy as np
 import pyarrow as pa
@@ -13,7 +12,7 @@ import pyarrow.parquet as pq
 import pytest
 
 from corpus import receipts, stages, whole_files
-from corpus.companions import digest_mesh
+from corpus.jobs import Job
 from corpus.layout import MODELS_FOLDER, MODELS_TABLE, MODELS_TEXT, STAGES, STATUS_FOLDER, STATUS_SCHEMA
 from corpus.promises import find_broken_promises
 from corpus.receipts import read_receipt, receipt_name, seal_table, write_receipt
@@ -44,7 +43,6 @@ MODELS = ("a", "b", "c")
 @pytest.fixture(autouse=True)
 def in_empty_folder(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
-    monkeypatch.setattr(stages, "print_into", lambda log: None)
     monkeypatch.setattr(stages, "trim_startup", lambda: None)
 
 
@@ -93,12 +91,9 @@ def run_job(stage, main=None):
     before = {} if stage == THREE[0] else {"status": status_table(THREE[THREE.index(stage) - 1])}
     status_table(stage).unlink(missing_ok=True)
     parameters = {"options": {}, "code": "c", "models": list(MODELS), "paths": [f"m/{model}.stl" for model in MODELS]}
-    job = SimpleNamespace(
-        rule=stage, log=["log"], input=SimpleNamespace(keys=lambda: before, **before),
-        output=SimpleNamespace(status=status_table(stage)), params=SimpleNamespace(get=parameters.get, **parameters),
-        config={"limits": {"memory": None, "minutes": None}},
-    )  # fmt: skip
-    stages.run_batch(job, main or MAINS[stage], OUTPUTS[stage], digest_mesh if stage == THREE[0] else None)
+    limits = {"memory": None, "minutes": None}
+    job = Job.describe(before, {"status": status_table(stage)}, parameters, "log", limits)
+    stages.run_batch(job, main or MAINS[stage], OUTPUTS[stage])
     return {row["model"]: row for row in pq.read_table(status_table(stage)).to_pylist()}
 
 

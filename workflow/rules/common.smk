@@ -38,6 +38,7 @@ from corpus.code_digest import compiled_code_folder, digest_code, read_outputs
 from corpus.configuration import CONFIG_FILE, ConfigError, check_config, describe_sources, restore_texts
 from corpus.console import show_progress
 from corpus.discovery import CorpusError, find_models, pick_models
+from corpus.jobs import Job, JobError, Nursery
 from corpus.layout import BEFORE, MODELS_FOLDER, MODELS_TABLE, REPORT_PAGE, STAGES, chosen_stages, line_behind
 from corpus.outcome import list_first, tell_outcome
 from corpus.process import find_full_disks, find_last_words
@@ -257,6 +258,19 @@ def gathering_runtime(wildcards, attempt):
     return int(predict_gathering(len(MODELS))[1] * attempt)
 
 
+# Jobs ------------------------------------------------------------------------
+
+NURSERY = Nursery(SCRIPTS)
+
+
+def run_job(name, input, output, params, log):
+    """Run a job: a stage over a batch, or what is made of the results of all."""
+    try:
+        NURSERY.run(name, Job.describe(input, output, params, log, config["limits"]))
+    except JobError as error:
+        raise WorkflowError(str(error)) from None
+
+
 # The beginning and the end of a run ------------------------------------------
 
 
@@ -294,6 +308,19 @@ def drop_rate_limit():
     """
     if workflow.local_exec and hasattr(workflow.scheduler, "job_rate_limiter"):
         workflow.scheduler.job_rate_limiter = None
+
+
+def choose_modules():
+    """Have the nursery load what the jobs of this run need."""
+    outputs = [Path(path) for job in workflow.dag.needrun_jobs() for path in job.output]
+    NURSERY.modules = sorted({path.parent.name for path in outputs if path.parent.parent.name == "status"})
+
+
+def wait_in_threads():
+    """Have jobs on this machine waited for by threads, not each by another Snakemake, as --force-use-threads does."""
+    for executor in (workflow.scheduler._executor, workflow.scheduler._local_executor):
+        if hasattr(executor, "use_threads"):
+            executor.use_threads = True
 
 
 def forget_forced():

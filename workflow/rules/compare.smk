@@ -12,16 +12,14 @@ rule compare_links:
         status="results/status/compare_links/{batch}.parquet",
     log:
         "results/logs/compare_links/{batch}.log",
-    benchmark:
-        "results/benchmarks/compare_links/{batch}.tsv"
     resources:
         mem_mb=memory_of,
         runtime=runtime_of,
     params:
         options=config["compare"],
         code=digest_code(SCRIPTS / "compare_links.py"),
-    script:
-        "../scripts/compare_links.py"
+    run:
+        run_job("compare_links", input, output, params, log)
 
 
 # results/corpus/comparison.parquet and .png: all of them.
@@ -33,15 +31,13 @@ rule compare_methods:
         figure="results/corpus/comparison.png",
     log:
         "results/logs/compare_methods.log",
-    benchmark:
-        "results/benchmarks/compare_methods.tsv"
     resources:
         mem_mb=gathering_memory,
         runtime=gathering_runtime,
     params:
         code=digest_code(SCRIPTS / "compare_methods.py"),
-    script:
-        "../scripts/compare_methods.py"
+    run:
+        run_job("compare_methods", input, output, params, log)
 
 
 # What each of many directions of height would catch, hold, and leave in the air.
@@ -53,16 +49,14 @@ rule rate_directions:
         status="results/status/rate_directions/{batch}.parquet",
     log:
         "results/logs/rate_directions/{batch}.log",
-    benchmark:
-        "results/benchmarks/rate_directions/{batch}.tsv"
     resources:
         mem_mb=memory_of,
         runtime=runtime_of,
     params:
         options=config["directions"],
         code=digest_code(SCRIPTS / "rate_directions.py"),
-    script:
-        "../scripts/rate_directions.py"
+    run:
+        run_job("rate_directions", input, output, params, log)
 
 
 # results/corpus/directions.parquet: all of them, of each model the best first.
@@ -73,12 +67,10 @@ rule compare_directions:
         table="results/corpus/directions.parquet",
     log:
         "results/logs/compare_directions.log",
-    benchmark:
-        "results/benchmarks/compare_directions.tsv"
     resources:
         mem_mb=gathering_memory,
         runtime=gathering_runtime,
     params:
         code=digest_code(SCRIPTS / "compare_directions.py"),
-    script:
-        "../scripts/compare_directions.py"
+    run:
+        run_job("compare_directions", input, output, params, log)

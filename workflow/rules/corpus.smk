@@ -11,15 +11,13 @@ rule collect_models:
         text="results/corpus/models.csv",
     log:
         "results/logs/collect_models.log",
-    benchmark:
-        "results/benchmarks/collect_models.tsv"
     resources:
         mem_mb=gathering_memory,
         runtime=gathering_runtime,
     params:
         code=CODE["collect_models"],
-    script:
-        "../scripts/collect_models.py"
+    run:
+        run_job("collect_models", input, output, params, log)
 
 
 # results/corpus/report.html: the same as a page, what needs a look first. It links to what the stages left of each
@@ -32,8 +30,6 @@ rule report_models:
         page=report("results/corpus/report.html", caption="../report/models.rst", category="All models"),
     log:
         "results/logs/report_models.log",
-    benchmark:
-        "results/benchmarks/report_models.tsv"
     resources:
         mem_mb=gathering_memory,
         runtime=gathering_runtime,
@@ -42,5 +38,5 @@ rule report_models:
         own=len(OWN),
         stages=CHOSEN,
         code=CODE["report_models"],
-    script:
-        "../scripts/report_models.py"
+    run:
+        run_job("report_models", input, output, params, log)

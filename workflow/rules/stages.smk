@@ -18,8 +18,6 @@ rule inspect_mesh:
         status="results/status/inspect_mesh/{batch}.parquet",
     log:
         "results/logs/inspect_mesh/{batch}.log",
-    benchmark:
-        "results/benchmarks/inspect_mesh/{batch}.tsv"
     priority: priority_at("inspect_mesh")
     resources:
         mem_mb=memory_of,
@@ -31,8 +29,8 @@ rule inspect_mesh:
         options=config["inspect"],
         own=own_options(lambda config: config["inspect"]),
         code=CODE["inspect_mesh"],
-    script:
-        "../scripts/inspect_mesh.py"
+    run:
+        run_job("inspect_mesh", input, output, params, log)
 
 
 # Chooses the direction of height, so that the height is a Morse function.
@@ -44,8 +42,6 @@ rule select_tilt:
         status="results/status/select_tilt/{batch}.parquet",
     log:
         "results/logs/select_tilt/{batch}.log",
-    benchmark:
-        "results/benchmarks/select_tilt/{batch}.tsv"
     priority: priority_at("select_tilt")
     resources:
         mem_mb=memory_of,
@@ -54,8 +50,8 @@ rule select_tilt:
         options=config["tilt"],
         own=own_options(lambda config: config["tilt"]),
         code=CODE["select_tilt"],
-    script:
-        "../scripts/select_tilt.py"
+    run:
+        run_job("select_tilt", input, output, params, log)
 
 
 # Cuts the surface at levels; finds contours, and the pieces between levels.
@@ -67,8 +63,6 @@ rule slice_mesh:
         status="results/status/slice_mesh/{batch}.parquet",
     log:
         "results/logs/slice_mesh/{batch}.log",
-    benchmark:
-        "results/benchmarks/slice_mesh/{batch}.tsv"
     priority: priority_at("slice_mesh")
     resources:
         mem_mb=memory_of,
@@ -77,8 +71,8 @@ rule slice_mesh:
         options=config["levels"],
         own=own_options(lambda config: config["levels"]),
         code=CODE["slice_mesh"],
-    script:
-        "../scripts/slice_mesh.py"
+    run:
+        run_job("slice_mesh", input, output, params, log)
 
 
 # Finds the Morse event in every piece that has one, and its handle operation.
@@ -91,8 +85,6 @@ rule classify_handles:
         status="results/status/classify_handles/{batch}.parquet",
     log:
         "results/logs/classify_handles/{batch}.log",
-    benchmark:
-        "results/benchmarks/classify_handles/{batch}.tsv"
     priority: priority_at("classify_handles")
     resources:
         mem_mb=memory_of,
@@ -100,8 +92,8 @@ rule classify_handles:
     params:
         options={},
         code=CODE["classify_handles"],
-    script:
-        "../scripts/classify_handles.py"
+    run:
+        run_job("classify_handles", input, output, params, log)
 
 
 # Puts one material point into every region of every level.
@@ -113,8 +105,6 @@ rule sample_nodes:
         status="results/status/sample_nodes/{batch}.parquet",
     log:
         "results/logs/sample_nodes/{batch}.log",
-    benchmark:
-        "results/benchmarks/sample_nodes/{batch}.tsv"
     priority: priority_at("sample_nodes")
     resources:
         mem_mb=memory_of,
@@ -122,8 +112,8 @@ rule sample_nodes:
     params:
         options=config["nodes"],
         code=CODE["sample_nodes"],
-    script:
-        "../scripts/sample_nodes.py"
+    run:
+        run_job("sample_nodes", input, output, params, log)
 
 
 # Links the material points of consecutive levels into both Reeb graphs.
@@ -135,8 +125,6 @@ rule synthesize_edges:
         status="results/status/synthesize_edges/{batch}.parquet",
     log:
         "results/logs/synthesize_edges/{batch}.log",
-    benchmark:
-        "results/benchmarks/synthesize_edges/{batch}.tsv"
     priority: priority_at("synthesize_edges")
     resources:
         mem_mb=memory_of,
@@ -145,8 +133,8 @@ rule synthesize_edges:
         options=config["edges"] | {"levels": config["levels"]},
         own=own_options(lambda config: config["edges"] | {"levels": config["levels"]}),
         code=CODE["synthesize_edges"],
-    script:
-        "../scripts/synthesize_edges.py"
+    run:
+        run_job("synthesize_edges", input, output, params, log)
 
 
 # Recomputes every invariant from the files and the mesh, and gives the verdict.
@@ -158,8 +146,6 @@ rule certify:
         status="results/status/certify/{batch}.parquet",
     log:
         "results/logs/certify/{batch}.log",
-    benchmark:
-        "results/benchmarks/certify/{batch}.tsv"
     priority: priority_at("certify")
     resources:
         mem_mb=memory_of,
@@ -168,8 +154,8 @@ rule certify:
         options=config["levels"],
         own=own_options(lambda config: config["levels"]),
         code=CODE["certify"],
-    script:
-        "../scripts/certify.py"
+    run:
+        run_job("certify", input, output, params, log)
 
 
 # Draws every model as in the paper, each figure as SVG and PDF.
@@ -180,8 +166,6 @@ rule draw_figures:
         status="results/status/draw_figures/{batch}.parquet",
     log:
         "results/logs/draw_figures/{batch}.log",
-    benchmark:
-        "results/benchmarks/draw_figures/{batch}.tsv"
     priority: priority_at("draw_figures")
     resources:
         mem_mb=memory_of,
@@ -189,8 +173,8 @@ rule draw_figures:
     params:
         options=VIEW | {"graph": config["draw"]["graph"]},
         code=CODE["draw_figures"],
-    script:
-        "../scripts/draw_figures.py"
+    run:
+        run_job("draw_figures", input, output, params, log)
 
 
 # Finds where liquid stays, where air is caught, and what begins in the air, in the direction of height.
@@ -202,8 +186,6 @@ rule find_pockets:
         status="results/status/find_pockets/{batch}.parquet",
     log:
         "results/logs/find_pockets/{batch}.log",
-    benchmark:
-        "results/benchmarks/find_pockets/{batch}.tsv"
     priority: priority_at("find_pockets")
     resources:
         mem_mb=memory_of,
@@ -211,8 +193,8 @@ rule find_pockets:
     params:
         options={key: config["pockets"][key] for key in ("least_depth", "distance")},
         code=CODE["find_pockets"],
-    script:
-        "../scripts/find_pockets.py"
+    run:
+        run_job("find_pockets", input, output, params, log)
 
 
 # Cuts pockets and islands out as closed bodies, and draws them. Writes pockets.glb and pockets.png.
@@ -223,8 +205,6 @@ rule cut_pockets:
         status="results/status/cut_pockets/{batch}.parquet",
     log:
         "results/logs/cut_pockets/{batch}.log",
-    benchmark:
-        "results/benchmarks/cut_pockets/{batch}.tsv"
     priority: priority_at("cut_pockets")
     resources:
         mem_mb=memory_of,
@@ -232,8 +212,8 @@ rule cut_pockets:
     params:
         options=VIEW,
         code=CODE["cut_pockets"],
-    script:
-        "../scripts/cut_pockets.py"
+    run:
+        run_job("cut_pockets", input, output, params, log)
 
 
 # Finds the place of every loop of the surface: a circle around it and a closed path along it.
@@ -245,8 +225,6 @@ rule find_loops:
         status="results/status/find_loops/{batch}.parquet",
     log:
         "results/logs/find_loops/{batch}.log",
-    benchmark:
-        "results/benchmarks/find_loops/{batch}.tsv"
     priority: priority_at("find_loops")
     resources:
         mem_mb=memory_of,
@@ -254,8 +232,8 @@ rule find_loops:
     params:
         options={"distance": config["loops"]["distance"]},
         code=CODE["find_loops"],
-    script:
-        "../scripts/find_loops.py"
+    run:
+        run_job("find_loops", input, output, params, log)
 
 
 # Draws the mesh with its loops.
@@ -266,8 +244,6 @@ rule draw_loops:
         status="results/status/draw_loops/{batch}.parquet",
     log:
         "results/logs/draw_loops/{batch}.log",
-    benchmark:
-        "results/benchmarks/draw_loops/{batch}.tsv"
     priority: priority_at("draw_loops")
     resources:
         mem_mb=memory_of,
@@ -275,8 +251,8 @@ rule draw_loops:
     params:
         options=VIEW,
         code=CODE["draw_loops"],
-    script:
-        "../scripts/draw_loops.py"
+    run:
+        run_job("draw_loops", input, output, params, log)
 
 
 # Finds the arcs on which each face lies, whole or cut where arcs end. Writes face_arcs; aside of the stages above.
@@ -287,8 +263,6 @@ rule label_faces:
         status="results/status/label_faces/{batch}.parquet",
     log:
         "results/logs/label_faces/{batch}.log",
-    benchmark:
-        "results/benchmarks/label_faces/{batch}.tsv"
     priority: priority_at("label_faces")
     resources:
         mem_mb=memory_of,
@@ -296,8 +270,8 @@ rule label_faces:
     params:
         options={"cut": config["faces"]["cut"], "method": config["edges"]["method"]},
         code=CODE["label_faces"],
-    script:
-        "../scripts/label_faces.py"
+    run:
+        run_job("label_faces", input, output, params, log)
 
 
 # Colours the surface by its arcs, cut where they end. Writes arcs.ply; aside of the stages above.
@@ -308,8 +282,6 @@ rule colour_faces:
         status="results/status/colour_faces/{batch}.parquet",
     log:
         "results/logs/colour_faces/{batch}.log",
-    benchmark:
-        "results/benchmarks/colour_faces/{batch}.tsv"
     priority: priority_at("colour_faces")
     resources:
         mem_mb=memory_of,
@@ -317,8 +289,8 @@ rule colour_faces:
     params:
         options={"by": config["colours"]["by"], "method": config["edges"]["method"]},
         code=CODE["colour_faces"],
-    script:
-        "../scripts/colour_faces.py"
+    run:
+        run_job("colour_faces", input, output, params, log)
 
 
 # Takes the solid apart at its events into closed bodies, one per arc. Writes parts, as a table and as a scene.
@@ -329,8 +301,6 @@ rule decompose_solid:
         status="results/status/decompose_solid/{batch}.parquet",
     log:
         "results/logs/decompose_solid/{batch}.log",
-    benchmark:
-        "results/benchmarks/decompose_solid/{batch}.tsv"
     priority: priority_at("decompose_solid")
     resources:
         mem_mb=memory_of,
@@ -338,8 +308,8 @@ rule decompose_solid:
     params:
         options={"method": config["edges"]["method"]},
         code=CODE["decompose_solid"],
-    script:
-        "../scripts/decompose_solid.py"
+    run:
+        run_job("decompose_solid", input, output, params, log)
 
 
 # Writes the model for other programs: regions as polygons, poly data, SWC, arrays.
@@ -350,8 +320,6 @@ rule export_model:
         status="results/status/export_model/{batch}.parquet",
     log:
         "results/logs/export_model/{batch}.log",
-    benchmark:
-        "results/benchmarks/export_model/{batch}.tsv"
     priority: priority_at("export_model")
     resources:
         mem_mb=memory_of,
@@ -359,8 +327,8 @@ rule export_model:
     params:
         options={"method": config["edges"]["method"]},
         code=CODE["export_model"],
-    script:
-        "../scripts/export_model.py"
+    run:
+        run_job("export_model", input, output, params, log)
 
 
 # Draws the mesh with its graph inside, beside the graph by height.
@@ -371,8 +339,6 @@ rule draw:
         status="results/status/draw/{batch}.parquet",
     log:
         "results/logs/draw/{batch}.log",
-    benchmark:
-        "results/benchmarks/draw/{batch}.tsv"
     priority: priority_at("draw")
     resources:
         mem_mb=memory_of,
@@ -380,8 +346,8 @@ rule draw:
     params:
         options=VIEW | {"graph": config["draw"]["graph"]},
         code=CODE["draw"],
-    script:
-        "../scripts/draw.py"
+    run:
+        run_job("draw", input, output, params, log)
 
 
 # Makes the page of every model, on which its surface, levels and graphs can be looked at.
@@ -393,8 +359,6 @@ rule view:
         status="results/status/view/{batch}.parquet",
     log:
         "results/logs/view/{batch}.log",
-    benchmark:
-        "results/benchmarks/view/{batch}.tsv"
     priority: priority_at("view")
     resources:
         mem_mb=memory_of,
@@ -402,5 +366,5 @@ rule view:
     params:
         options={"faces": config["view"]["faces"]},
         code=CODE["view"],
-    script:
-        "../scripts/view.py"
+    run:
+        run_job("view", input, output, params, log)

@@ -6,7 +6,6 @@ certified is what users get.
 
 from pathlib import Path
 
-from corpus.stages import run_batch
 from corpus.storage import read_blocks, read_json, read_table, write_json
 from reebslice.certification.certificate import certify
 from reebslice.certification.graphml import parse_graph
@@ -30,7 +29,3 @@ def main(source, target, options):
     size, distance = mesh_lengths(tables["vertices"], tilt, options)
     told = read_json(source / "inspection.json"), source.name
     write_json(Path(target) / "certificate.json", certify(tables, tilt, graphs, size, distance, curves, *told))
-
-
-if "snakemake" in globals():
-    run_batch(snakemake, main, OUTPUTS)

@@ -1,6 +1,5 @@
 """Classify the Morse events between the levels: `handles`; and what the surface has whatever the levels."""
 
-from corpus.stages import run_batch
 from corpus.storage import read_table, write_json, write_table
 from corpus.surfaces import read_faces, read_points, read_rotation
 from reebslice.handles.classification import classify_handles, critical_tables
@@ -24,7 +23,3 @@ def main(source, target, options):
     write_table(target / "critical_points.parquet", "critical_points", critical_points)
     write_table(target / "critical_arcs.parquet", "critical_arcs", critical_arcs)
     write_json(target / "sampling.json", sampling_figures(critical_arcs))
-
-
-if "snakemake" in globals():
-    run_batch(snakemake, main, OUTPUTS)

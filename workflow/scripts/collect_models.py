@@ -9,16 +9,17 @@ from pyarrow import csv
 
 from corpus.layout import MODELS_TABLE, MODELS_TEXT
 from corpus.model_table import make_model_table
-from corpus.process import print_into, trim_startup
+from corpus.process import trim_startup
 from corpus.receipts import seal_table
 from corpus.storage import write_parquet
 from corpus.whole_files import place_whole, remove_remains
 
-if "snakemake" in globals():
-    print_into(snakemake.log[0])
+
+def gather(job):
+    """Write both tables over the status tables of all batches, `job.input` by stage."""
     trim_startup()
     remove_remains(MODELS_TABLE.parent)
-    table = make_model_table(dict(snakemake.input.items()))
+    table = make_model_table(vars(job.input))
     write_parquet(MODELS_TABLE, table)
     with place_whole(MODELS_TEXT, durably=True) as scratch:
         csv.write_csv(table, scratch)

@@ -1,6 +1,6 @@
 """Colour the surface by the arcs that it lies on, cut where they end: `arcs.ply`."""
 
-from corpus.stages import Rejected, run_batch
+from corpus.stages import Rejected
 from corpus.surfaces import read_arc_tables, read_faces, read_points, read_rotation, read_shells
 from corpus.whole_files import place_whole
 from reebslice.drawing.arc_colours import coloured_ply
@@ -30,7 +30,3 @@ def main(source, target, options):
     table, labelled = list_face_arcs(mesh, graph, labels, surface, rotation, True)
     with place_whole(target / "arcs.ply") as scratch:
         scratch.write_bytes(coloured_ply(labelled, table, options["by"]))
-
-
-if "snakemake" in globals():
-    run_batch(snakemake, main, OUTPUTS)

@@ -2,7 +2,6 @@
 
 import numpy as np
 
-from corpus.stages import run_batch
 from corpus.storage import write_table
 from corpus.surfaces import read_faces, read_points, read_shells
 from reebslice.links.comparison import compare_rules, model_half
@@ -47,7 +46,3 @@ def choose_rotation(points, faces, tilt):
     else:
         record = select_tilt(points, faces, tilt)
     return np.array(record["rotation"])
-
-
-if "snakemake" in globals():
-    run_batch(snakemake, main, OUTPUTS)

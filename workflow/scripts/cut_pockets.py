@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from corpus.stages import Rejected, run_batch
+from corpus.stages import Rejected
 from corpus.storage import read_json, read_table
 from corpus.surfaces import read_faces, read_points, read_rotation
 from corpus.whole_files import place_whole
@@ -38,7 +38,3 @@ def main(source, target, options):
     title = f"{source.name}: not certain, the surface crosses itself" if crosses else source.name
     image = draw_pockets(title, points @ np.transpose(rotation), faces, upright, kinds, options)
     (target / "pockets.png").write_bytes(encode_png(image))
-
-
-if "snakemake" in globals():
-    run_batch(snakemake, main, OUTPUTS)

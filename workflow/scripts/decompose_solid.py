@@ -1,6 +1,6 @@
 """Take the solid apart at its events: `parts`, and the closed meshes as `parts.glb`."""
 
-from corpus.stages import Rejected, run_batch
+from corpus.stages import Rejected
 from corpus.storage import write_table
 from corpus.surfaces import read_arc_tables, read_faces, read_points, read_rotation, read_shells
 from corpus.whole_files import place_whole
@@ -32,7 +32,3 @@ def main(source, target, options):
     write_table(target / "parts.parquet", "parts", parts_table(bodies, rotation))
     with place_whole(target / "parts.glb") as scratch:
         scratch.write_bytes(coloured_scene(bodies))
-
-
-if "snakemake" in globals():
-    run_batch(snakemake, main, OUTPUTS)

@@ -6,7 +6,6 @@ the picture depend on the results alone: no dates, no program versions.
 
 import numpy as np
 
-from corpus.stages import run_batch
 from corpus.storage import read_blocks, read_json, read_table
 from reebslice.drawing.canvas import encode_png
 from reebslice.drawing.model import (
@@ -61,7 +60,3 @@ def read_model(source, wish):
 def read_geometry(source):
     """Read the curves of the contours of the model in the folder `source`, in blocks."""
     return read_blocks(source / "contours.parquet", "contours", "geometry")
-
-
-if "snakemake" in globals():
-    run_batch(snakemake, main, OUTPUTS)

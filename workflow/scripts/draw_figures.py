@@ -4,7 +4,6 @@
 al.); `figure_links`: the links between levels (4); `figure_graph`: the Reeb graph in the body (6).
 """
 
-from corpus.stages import run_batch
 from corpus.storage import read_table
 from draw import read_geometry, read_model
 from reebslice.drawing.figures import choose_events, paint_levels, paint_links
@@ -47,7 +46,3 @@ def main(source, target, options):
         canvas = draw(open_canvas(options, strokes=[]))
         for form in ("svg", "pdf"):
             (target / f"figure_{name}.{form}").write_bytes(encode_vectors(canvas, form))
-
-
-if "snakemake" in globals():
-    run_batch(snakemake, main, OUTPUTS)

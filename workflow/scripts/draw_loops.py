@@ -2,7 +2,6 @@
 
 import numpy as np
 
-from corpus.stages import run_batch
 from corpus.storage import read_table
 from corpus.surfaces import read_faces, read_points, read_rotation
 from reebslice.drawing.canvas import encode_png
@@ -22,7 +21,3 @@ def main(source, target, options):
     loops = loops._replace(centre=loops.centre @ turn, circles=[circle @ turn for circle in loops.circles])
     image = draw_loops(source.name, points @ turn, read_faces(source), loops, options)
     (target / "loops.png").write_bytes(encode_png(image))
-
-
-if "snakemake" in globals():
-    run_batch(snakemake, main, OUTPUTS)

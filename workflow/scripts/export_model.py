@@ -8,7 +8,7 @@ verdict, which is known by now.
 
 import numpy as np
 
-from corpus.stages import Rejected, run_batch
+from corpus.stages import Rejected
 from corpus.storage import read_blocks, read_json, read_table, write_json, write_table, write_text
 from corpus.surfaces import read_arc_tables, read_faces, read_points, read_shells
 from corpus.whole_files import place_whole
@@ -75,7 +75,3 @@ def _write_surface(source, rotation, tables, about):
         raise Rejected(f"not exported: {fault}. Take levels: {{refine: feature}}.") from None
     table, _ = list_face_arcs(mesh, graph, labels, (points, faces), rotation, False)
     return surface_triangles(points, faces, table, points @ rotation[2], about)
-
-
-if "snakemake" in globals():
-    run_batch(snakemake, main, OUTPUTS)

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from corpus.stages import Rejected, run_batch
+from corpus.stages import Rejected
 from corpus.storage import read_table, write_json, write_table, write_text
 from corpus.surfaces import read_faces, read_points, read_rotation, read_shells
 from reebslice.errors import TooManyCrossingsError
@@ -26,7 +26,3 @@ def main(source, target, options):
     )
     write_json(target / "loops.json", count_loops(loops))
     write_text(target / "loops.vtp", loops_text(points, loops))
-
-
-if "snakemake" in globals():
-    run_batch(snakemake, main, OUTPUTS)

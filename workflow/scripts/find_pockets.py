@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from corpus.stages import Rejected, run_batch
+from corpus.stages import Rejected
 from corpus.storage import read_table, write_json, write_table
 from corpus.surfaces import read_faces, read_points, read_rotation, read_shells
 from reebslice.errors import TooManyCrossingsError
@@ -32,7 +32,3 @@ def main(source, target, options):
     write_table(target / "pockets.parquet", "pockets", pockets_table("pockets", pockets, handles, points, shell))
     write_table(target / "islands.parquet", "islands", pockets_table("islands", islands, handles, points, shell))
     write_json(target / "pockets.json", sum_pockets(pockets, islands))
-
-
-if "snakemake" in globals():
-    run_batch(snakemake, main, OUTPUTS)

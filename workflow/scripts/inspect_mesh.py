@@ -10,7 +10,7 @@ besides this surface.
 from pathlib import Path
 
 from corpus.companions import digest_mesh
-from corpus.stages import Rejected, run_batch
+from corpus.stages import Rejected
 from corpus.storage import write_json, write_table
 from reebslice.errors import MeshFormatError
 from reebslice.formats.meshes import read_mesh
@@ -42,7 +42,3 @@ def _contradict(unit, told):
     if unit in (None, told) or told is None:
         return []
     return [f"The file says {told}; the configuration, which counts, says {unit}."]
-
-
-if "snakemake" in globals():
-    run_batch(snakemake, main, OUTPUTS, digest_mesh)

@@ -1,6 +1,6 @@
 """Tell on which arcs each face lies: `face_arcs`."""
 
-from corpus.stages import Rejected, run_batch
+from corpus.stages import Rejected
 from corpus.storage import write_table
 from corpus.surfaces import read_arc_tables, read_faces, read_points, read_rotation, read_shells
 from reebslice.errors import TooManyCrossingsError
@@ -28,7 +28,3 @@ def main(source, target, options):
         raise Rejected(f"no arcs of faces: {fault}. Take levels: {{refine: feature}}.") from None
     table, _ = list_face_arcs(mesh, graph, labels, surface, rotation, options["cut"])
     write_table(target / "face_arcs.parquet", "face_arcs", table)
-
-
-if "snakemake" in globals():
-    run_batch(snakemake, main, OUTPUTS)

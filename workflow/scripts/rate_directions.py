@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from corpus.stages import Rejected, run_batch
+from corpus.stages import Rejected
 from corpus.storage import write_table
 from corpus.surfaces import read_faces, read_points, read_shells
 from reebslice.errors import TooManyCrossingsError
@@ -26,7 +26,3 @@ def main(source, target, options):
     except TooManyCrossingsError as fault:
         raise Rejected(f"no directions compared: {fault}.") from None
     write_table(target / "directions.parquet", "directions", directions_table(source.name, found))
-
-
-if "snakemake" in globals():
-    run_batch(snakemake, main, OUTPUTS)

@@ -14,7 +14,7 @@ import pyarrow.parquet as pq
 import yaml
 
 from corpus.layout import MODELS_FOLDER, REPORT_PAGE
-from corpus.process import print_into, trim_startup
+from corpus.process import trim_startup
 from corpus.receipts import seal_table
 from corpus.whole_files import place_whole, remove_remains
 from reebslice import __version__
@@ -47,6 +47,16 @@ PACKAGES = (
 PACKAGES += ("mapbox-earcut", "fast-simplification", "pillow")
 
 
+def gather(job):
+    """Write the report of the table of models `job.input.table`; `job.params` are config, own, stages, as in `main`."""
+    trim_startup()
+    remove_remains(REPORT_PAGE.parent, REPORT_PAGE.name)
+    text = main(pq.read_table(job.input.table), job.params.config, job.params.own, job.params.stages)
+    with place_whole(REPORT_PAGE, durably=True) as scratch:
+        scratch.write_text(text, encoding="utf-8")
+    seal_table(REPORT_PAGE)
+
+
 def main(table, config, own, stages):
     """Return the report as text.
 
@@ -76,14 +86,3 @@ def list_versions():
         except PackageNotFoundError:
             continue
     return versions
-
-
-if "snakemake" in globals():
-    print_into(snakemake.log[0])
-    trim_startup()
-    remove_remains(REPORT_PAGE.parent, REPORT_PAGE.name)
-    table = pq.read_table(snakemake.input.table)
-    text = main(table, *(snakemake.params[name] for name in ("config", "own", "stages")))
-    with place_whole(REPORT_PAGE, durably=True) as scratch:
-        scratch.write_text(text, encoding="utf-8")
-    seal_table(REPORT_PAGE)

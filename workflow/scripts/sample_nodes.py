@@ -1,6 +1,5 @@
 """Place a material point in every region of every level: `nodes`."""
 
-from corpus.stages import run_batch
 from corpus.storage import read_blocks, read_table, write_table
 from corpus.surfaces import read_rotation
 from reebslice.graphs.nodes import sample_nodes
@@ -16,7 +15,3 @@ def main(source, target, options):
     curves = contour_curves(contours, read_blocks(source / "contours.parquet", "contours", "geometry"))
     nodes = sample_nodes(contours, curves, pieces, levels, read_rotation(source), options["sampler"])
     write_table(target / "nodes.parquet", "nodes", nodes)
-
-
-if "snakemake" in globals():
-    run_batch(snakemake, main, OUTPUTS)

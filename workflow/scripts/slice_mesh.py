@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from corpus.stages import Rejected, run_batch
+from corpus.stages import Rejected
 from corpus.storage import write_blocks, write_table
 from corpus.surfaces import read_faces, read_points, read_rotation, read_shells
 from reebslice.errors import TooManyCrossingsError
@@ -31,7 +31,3 @@ def main(source, target, options):
     write_blocks(target / "contours.parquet", "contours", contours_blocks(mesh, slices, shell))
     write_table(target / "unfoldings.parquet", "unfoldings", unfoldings_table(mesh, slices.levels.below))
     write_table(target / "pieces.parquet", "pieces", pieces_table(mesh, slices, shell))
-
-
-if "snakemake" in globals():
-    run_batch(snakemake, main, OUTPUTS)

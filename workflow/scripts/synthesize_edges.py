@@ -6,7 +6,6 @@ they are and so cannot be in them.
 
 import numpy as np
 
-from corpus.stages import run_batch
 from corpus.storage import read_blocks, read_json, read_table, write_table, write_text
 from reebslice.formats.graphml import graphml_text
 from reebslice.graphs.reeb_graphs import describe_graph
@@ -44,7 +43,3 @@ def main(source, target, options):
     for name in GRAPHS:
         about = describe_graph(name, source.name, tilt["direction"], unit)
         write_text(target / f"{name}.graphml", graphml_text(getattr(result, name), name, about))
-
-
-if "snakemake" in globals():
-    run_batch(snakemake, main, OUTPUTS)

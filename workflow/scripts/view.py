@@ -1,6 +1,5 @@
 """Make every model's page: `view.html`, one file that loads nothing, and `model.glb`, the scene that it shows."""
 
-from corpus.stages import run_batch
 from corpus.storage import read_blocks, read_json, read_table, write_text
 from corpus.surfaces import read_rotation, read_shells
 from reebslice.drawing.embedded_graphs import SHOWN
@@ -29,7 +28,3 @@ def main(source, target, options):
     glb, html = make_page(told, model, options["faces"], notes)
     (target / "model.glb").write_bytes(glb)
     write_text(target / "view.html", html)
-
-
-if "snakemake" in globals():
-    run_batch(snakemake, main, OUTPUTS)

@@ -5,6 +5,7 @@ import hashlib
 LARGE_MESH = 64 * 2**20  # bytes; 1.3 million faces as binary STL, beside which starting a process is little
 SMALL_MESH = 2**19  # bytes; so much more of a mesh is as much work again as the smallest mesh
 FEW_BATCHES = 4  # a small corpus is spread over about so many, before batches fill up
+LEAST_WORK = 8  # in a batch, below which more batches cost more than they spare
 
 
 # --------------------------------------------------------------------------
@@ -74,7 +75,7 @@ def _find_limit(models, size, most):
     limit, total = float(size), sum(min(_work(mesh), size) for mesh in models.values())
     while total > most * limit:
         limit *= 2
-    while total < min(FEW_BATCHES, most) * limit and limit > 2:
+    while total < min(FEW_BATCHES, most) * limit and limit > LEAST_WORK:
         limit /= 2
     return limit
 

@@ -1,8 +1,10 @@
 """What a job asks of the process that it runs in: where prints go, what stays loaded, how much memory it took."""
 
+import ctypes
 import errno
 import gc
 import os
+import signal
 import sys
 import traceback
 from contextlib import suppress
@@ -32,7 +34,7 @@ def print_into(log):
     sys.stdout.flush()
     sys.stderr.flush()
     terminal = os.dup(2)
-    sys.excepthook = partial(_tell_end, log, terminal)
+    sys.excepthook = partial(tell_end, log, terminal)
     Path(log).parent.mkdir(parents=True, exist_ok=True)
     file = os.open(log, os.O_WRONLY | os.O_CREAT | os.O_TRUNC, 0o644)
     os.dup2(file, 1)
@@ -48,7 +50,7 @@ def log_line(text):
         print(text, flush=True)
 
 
-def _tell_end(log, terminal, kind, fault, trace):
+def tell_end(log, terminal, kind, fault, trace):
     """Tell of an exception that ends this process."""
     sentence = " ".join(f"{ENDED}{describe_fault(fault)}".split())
     with suppress(OSError):
@@ -106,6 +108,14 @@ class _WithoutPandas:
     def find_spec(name, path=None, target=None):
         if name == "pandas":
             raise ModuleNotFoundError(f"No module named {name!r}", name=name)
+
+
+def die_with(parent):
+    """Have the system end this process when its parent ends (Linux): nothing goes on behind a job that was killed."""
+    with suppress(AttributeError, OSError):
+        ctypes.CDLL(None).prctl(1, signal.SIGKILL)  # PR_SET_PDEATHSIG
+    if os.getppid() != parent:
+        os._exit(1)
 
 
 def reset_peak_memory():

@@ -24,8 +24,9 @@ from typing import NamedTuple
 
 import pyarrow as pa
 
+from .companions import digest_mesh
 from .layout import BEFORE, MODELS_FOLDER, STATUS_SCHEMA, read_status
-from .process import Failed, describe_fault, log_line, peak_memory_mb, print_into, reset_peak_memory, trim_startup
+from .process import Failed, describe_fault, log_line, peak_memory_mb, reset_peak_memory, trim_startup
 from .promises import vouch
 from .receipts import disown, make_key, move_in, unchanged_inputs, valid_receipt, withdraw, write_receipt
 from .storage import AlteredFileError, content_key, write_parquet
@@ -55,29 +56,33 @@ class _Task(NamedTuple):
     digest: object = None
 
 
-def run_batch(snakemake, main, outputs, digest=None):
-    """Run the stage `main` over the batch of a Snakemake job.
+def run_batch(job, main, outputs):
+    """Run the stage `main` over the batch of a job.
 
     Reads the models from ``input.status``, the status table of the stage
     before, or, in the first stage, from ``params.models`` and
-    ``params.paths``, since not every path of a mesh can be an input; `digest`
-    then gives the content key of a mesh file. The models of ``params.own``
+    ``params.paths``, since not every path of a mesh can be an input. The models of ``params.own``
     have options of their own, the others ``params.options``. Writes the
-    status table of this stage. Everything that is printed goes to the log.
+    status table of this stage.
+
+    Parameters
+    ----------
+    job : .jobs.Job
+    main : function of source, target, options
+    outputs : tuple of str
+        Names of the files that it leaves.
     """
-    status, parameters = Path(snakemake.output.status), snakemake.params
-    stage = status.parent.name  # a workflow that uses this one as a module may call its rules otherwise
-    print_into(snakemake.log[0])
+    status, parameters = Path(job.output.status), job.params
+    stage, digest = status.parent.name, None
     trim_startup()
-    if "status" in snakemake.input.keys():  # noqa: SIM118, a list with names
-        rows = read_status(snakemake.input.status)
-    else:
+    if BEFORE[stage] is None:
+        digest = digest_mesh
         rows = _first_rows(parameters.models, parameters.paths, digest)
-    own = parameters.get("own", {})
+    else:
+        rows = read_status(job.input.status)
+    own = getattr(parameters, "own", {})
     rows = [row | {"options": own[row["model"]]} if row["model"] in own else row for row in rows]
-    # Of the configuration, not the parameters: other limits are no reason to run what has been done within these.
-    limits = Limits(**snakemake.config["limits"])
-    done = run_models(stage, rows, main, outputs, parameters.options, parameters.code, digest, limits)
+    done = run_models(stage, rows, main, outputs, parameters.options, parameters.code, digest, Limits(**job.limits))
     done = vouch(stage, done, outputs)
     remove_remains(status.parent, status.name)
     write_parquet(status, pa.Table.from_pylist(done, schema=STATUS_SCHEMA))

@@ -7,7 +7,6 @@ model. Where it ends, the model that it was at is lost, and another fork goes on
 with the next.
 """
 
-import ctypes
 import faulthandler
 import multiprocessing
 import os
@@ -16,6 +15,8 @@ import time
 from contextlib import suppress
 from pathlib import Path
 from typing import NamedTuple
+
+from .process import die_with
 
 
 class Limits(NamedTuple):
@@ -97,7 +98,7 @@ class _Worker:
 
 def _serve(pipe, work, items, memory, parent):
     """Work on the items until one leaves this process unfit; tell of each through the pipe."""
-    _die_with(parent)
+    die_with(parent)
     _limit_memory(memory)
     faulthandler.enable()  # so that the log tells where compiled code went wrong
     for item in items:
@@ -105,14 +106,6 @@ def _serve(pipe, work, items, memory, parent):
         pipe.send((result, fit))
         if not fit:
             return
-
-
-def _die_with(parent):
-    """Have the system end this process when its parent ends (Linux): nothing goes on behind a job that was killed."""
-    with suppress(AttributeError, OSError):
-        ctypes.CDLL(None).prctl(1, signal.SIGKILL)  # PR_SET_PDEATHSIG
-    if os.getppid() != parent:
-        os._exit(1)
 
 
 def _limit_memory(megabytes):

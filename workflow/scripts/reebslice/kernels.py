@@ -81,3 +81,8 @@ def _open_lock(folder):
     """The lock file of a folder, open for writing as long as the process lives."""
     Path(folder).mkdir(parents=True, exist_ok=True)
     return open(Path(folder, "compiling.lock"), "wb")
+
+
+@njit
+def do_nothing():
+    """Do nothing; the first call has numba load what every other needs, half a second's worth."""
