@@ -39,7 +39,16 @@ from corpus.configuration import CONFIG_FILE, ConfigError, check_config, describ
 from corpus.console import show_progress
 from corpus.discovery import CorpusError, find_models, pick_models
 from corpus.jobs import Job, JobError, Nursery
-from corpus.layout import BEFORE, MODELS_FOLDER, MODELS_TABLE, REPORT_PAGE, STAGES, chosen_stages, line_behind
+from corpus.layout import (
+    ASKED_FOR,
+    BEFORE,
+    MODELS_FOLDER,
+    MODELS_TABLE,
+    REPORT_PAGE,
+    STAGES,
+    chosen_stages,
+    line_behind,
+)
 from corpus.outcome import list_first, tell_outcome
 from corpus.process import find_full_disks, find_last_words
 from corpus.promises import find_altered, find_broken_promises
@@ -113,7 +122,9 @@ MEMBERS = {batch_alone(model): [model] for model in MODELS} | BATCHES
 CHOSEN = chosen_stages(config)
 REPORTS = [str(REPORT_PAGE)] if config["report"]["page"] else []
 UNTOLD = ("compare", "directions", "report", "limits", "batches", "verify")  # what changes no result of all models
-CODE = {stage: digest_code(SCRIPTS / f"{stage}.py") for stage in (*STAGES, "collect_models", "report_models")}
+RUNNER = SCRIPTS / "corpus" / "stages.py"  # what runs a stage over models counts as its code
+CODE = {stage: digest_code(SCRIPTS / f"{stage}.py", RUNNER) for stage in (*STAGES, *ASKED_FOR)}
+CODE |= {name: digest_code(SCRIPTS / f"{name}.py") for name in ("collect_models", "report_models", *GATHERED)}
 
 
 wildcard_constraints:

@@ -17,7 +17,7 @@ rule compare_links:
         runtime=runtime_of,
     params:
         options=config["compare"],
-        code=digest_code(SCRIPTS / "compare_links.py"),
+        code=CODE["compare_links"],
     run:
         run_job("compare_links", input, output, params, log)
 
@@ -35,7 +35,7 @@ rule compare_methods:
         mem_mb=gathering_memory,
         runtime=gathering_runtime,
     params:
-        code=digest_code(SCRIPTS / "compare_methods.py"),
+        code=CODE["compare_methods"],
     run:
         run_job("compare_methods", input, output, params, log)
 
@@ -54,7 +54,7 @@ rule rate_directions:
         runtime=runtime_of,
     params:
         options=config["directions"],
-        code=digest_code(SCRIPTS / "rate_directions.py"),
+        code=CODE["rate_directions"],
     run:
         run_job("rate_directions", input, output, params, log)
 
@@ -71,6 +71,6 @@ rule compare_directions:
         mem_mb=gathering_memory,
         runtime=gathering_runtime,
     params:
-        code=digest_code(SCRIPTS / "compare_directions.py"),
+        code=CODE["compare_directions"],
     run:
         run_job("compare_directions", input, output, params, log)

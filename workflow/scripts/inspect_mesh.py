@@ -9,7 +9,6 @@ besides this surface.
 
 from pathlib import Path
 
-from corpus.companions import digest_mesh
 from corpus.stages import Rejected
 from corpus.storage import write_json, write_table
 from reebslice.errors import MeshFormatError

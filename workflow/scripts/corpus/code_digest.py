@@ -7,59 +7,66 @@ from functools import cache
 from pathlib import Path
 
 
-def digest_code(script):
-    """Return a digest of a script and of every module beside it that it imports, directly or not."""
+def digest_code(script, *more):
+    """Return a digest of scripts and of every module beside the first that they import, directly or not."""
     digest = hashlib.blake2b(digest_size=16)
-    for path in find_sources(script):
+    for path in find_sources(script, *more):
         digest.update(path.relative_to(Path(script).parent).as_posix().encode() + b"\0")
         digest.update(path.read_bytes() + b"\0")
     return digest.hexdigest()
 
 
-def find_sources(script):
-    """Return the sorted paths of a script, of modules in its folder that it imports, transitively, and of their files.
+def find_sources(script, *more):
+    """Return the sorted paths of scripts, of modules in the first one's folder that they import, and of their files.
 
     A file of a module lies beside it and is named in it: a template, or what else it reads of its own.
     """
     root = Path(script).parent
-    found, waiting = set(), [Path(script)]
+    found, waiting = set(), [str(path) for path in (script, *more)]
     while waiting:
         path = waiting.pop()
         if path not in found:
             found.add(path)
-            package = path.relative_to(root).parent.parts
-            waiting += [source for module in _imports(path.read_bytes(), package) for source in _locate(module, root)]
-    return sorted(found.union(*(_named_files(path) for path in found)))
-
-
-def _named_files(path):
-    """Return the paths of the files beside a module, no modules themselves, that its source names in quotes."""
-    text = path.read_bytes()
-    beside = (file for file in path.parent.iterdir() if file.suffix != ".py")
-    return [file for file in beside if b'"%s"' % file.name.encode() in text and file.is_file()]
+            if path.endswith(".py"):
+                with open(path, "rb") as file:
+                    waiting += _direct_sources(file.read(), path, str(root))
+    return sorted(map(Path, found))
 
 
 @cache  # stages share most of their modules
+def _direct_sources(text, path, root):
+    """Return the paths of the files that the module at `path`, whose source is `text`, imports or names."""
+    folder = os.path.dirname(path)
+    package = tuple(Path(folder).relative_to(root).parts)
+    found = [source for module in _imports(text, package) for source in _locate(module, root)]
+    for file in os.scandir(folder):
+        if not file.name.endswith(".py") and b'"%s"' % file.name.encode() in text and file.is_file():
+            found.append(file.path)
+    return found
+
+
 def _imports(text, package):
     """Return the dotted names, from the root, of all that the source `text` of a module in `package` may import."""
-    names = set()
-    for node in ast.walk(ast.parse(text)):
+    names, waiting = set(), ast.parse(text).body
+    while waiting:  # statements only, of which expressions hold none
+        node = waiting.pop()
         if isinstance(node, ast.Import):
             names.update(tuple(alias.name.split(".")) for alias in node.names)
         elif isinstance(node, ast.ImportFrom):
             base = package[: len(package) + 1 - node.level] if node.level else ()
             base += tuple((node.module or "").split(".")) if node.module else ()
             names.update((base, *(base + (alias.name,) for alias in node.names)))
+        for block in ("body", "orelse", "handlers", "finalbody", "cases"):
+            waiting += getattr(node, block, ())
     return names
 
 
 def _locate(module, root):
-    """Yield the source files that importing the dotted name runs, packages above it included."""
-    for length in range(1, len(module) + 1):
-        place = root.joinpath(*module[:length])
-        for path in (place.with_suffix(".py"), place / "__init__.py"):
-            if path.is_file():
-                yield path
+    """Return the source files that importing the dotted name runs, packages above it included."""
+    paths = [os.path.join(root, *module[:length]) for length in range(1, len(module) + 1)]
+    return [
+        path for place in paths for path in (f"{place}.py", os.path.join(place, "__init__.py")) if os.path.isfile(path)
+    ]
 
 
 def compiled_code_folder(library):

@@ -24,7 +24,9 @@ from .process import die_with, print_into
 
 # Jobs use one core each, which libraries do not know; and a process with threads is not safely forked.
 ONE_THREAD = dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMEXPR_NUM_THREADS"), "1")
-START = "import sys; sys.path.insert(0, sys.argv[1]); from corpus.jobs import serve; serve(int(sys.argv[2]), sys.argv[3:])"
+START = (
+    "import sys; sys.path.insert(0, sys.argv[1]); from corpus.jobs import serve; serve(int(sys.argv[2]), sys.argv[3:])"
+)
 
 
 class JobError(Exception):
@@ -104,7 +106,8 @@ class Nursery:
         self._control, far = socket.socketpair()
         command = [sys.executable, "-P", "-c", START, self.scripts, str(far.fileno()), *self.modules]
         with far:
-            self._process = subprocess.Popen(command, pass_fds=[far.fileno()], env=os.environ | ONE_THREAD)
+            environment = os.environ | ONE_THREAD
+            self._process = subprocess.Popen(command, pass_fds=[far.fileno()], env=environment)  # noqa: S603, this Python
         atexit.register(self._close, self._control, self._process)
 
     @staticmethod

@@ -1,0 +1,118 @@
+"""Jobs as forks of the nursery: what they find loaded, how they end, and that nothing stays behind."""
+
+import os
+import signal
+import time
+from pathlib import Path
+from threading import Thread
+
+import psutil
+import pytest
+
+from corpus.jobs import Job, JobError, Nursery
+
+SCRIPTS = Path(__file__).parent.parent / "workflow" / "scripts"
+MODULE = """
+import os, time
+LOADED_IN = os.getpid()
+
+def gather(job):
+    print("at work")
+    exec(job.params.command)
+    open(job.output.table, "w").write(f"{LOADED_IN} {os.getpid()} {os.getppid()}")
+"""
+
+
+@pytest.fixture
+def nursery(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    Path("modules").mkdir()
+    Path("modules/tiny_stage.py").write_text(MODULE)
+    monkeypatch.setenv("PYTHONPATH", str(tmp_path / "modules"))
+    return Nursery(SCRIPTS, ["tiny_stage"])
+
+
+def run(nursery, command="pass", name="a"):
+    nursery.run("tiny_stage", Job.describe({}, {"table": f"{name}.txt"}, {"command": command}, f"logs/{name}.log", {}))
+    return [int(word) for word in Path(f"{name}.txt").read_text().split()]
+
+
+def wait_until(holds):
+    begun = time.time()
+    while not holds():
+        assert time.time() < begun + 60
+        time.sleep(0.01)
+
+
+def test_jobs_are_forks_of_one_process_that_has_loaded_their_module(nursery):
+    loaded, first, parent = run(nursery)
+    assert loaded == parent != first
+    again, second, _ = run(nursery, name="b")
+    assert again == loaded and second != first
+    assert Path("logs/a.log").read_text() == "at work\n"
+
+
+def test_jobs_run_side_by_side(nursery):
+    wait = "open('{0}', 'w')\nwhile not os.path.exists('{1}'): time.sleep(0.01)"
+    threads = [Thread(target=run, args=(nursery, wait.format(*pair), pair[0])) for pair in ("xy", "yx")]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join(60)
+    assert Path("x.txt").exists() and Path("y.txt").exists()
+
+
+def test_what_ends_a_job_ends_no_other_and_is_told(nursery, capfd):
+    loaded, *_ = run(nursery)
+    with pytest.raises(JobError, match=r"tiny_stage came to no good end; its log is logs/b\.log"):
+        run(nursery, "raise ValueError('there is no such thing')", "b")
+    assert Path("logs/b.log").read_text().splitlines()[-1] == "This job ended: ValueError: there is no such thing"
+    assert "logs/b.log: This job ended: ValueError: there is no such thing" in capfd.readouterr().err
+    with pytest.raises(JobError):
+        run(nursery, "os.kill(os.getpid(), 9)", "c")
+    with pytest.raises(JobError):
+        run(nursery, "os._exit(0)", "d")
+    assert run(nursery)[0] == loaded
+
+
+def test_a_module_that_cannot_be_loaded_is_told_by_its_job(nursery):
+    Path("modules/tiny_stage.py").write_text("import no_such_package")
+    with pytest.raises(JobError):
+        run(nursery)
+    assert "No module named 'no_such_package'" in Path("logs/a.log").read_text()
+
+
+def test_another_nursery_takes_the_place_of_one_that_was_killed_and_its_jobs_end_with_it(nursery):
+    loaded, *_ = run(nursery)
+    failed = []
+
+    def run_long():
+        try:
+            run(nursery, "open('started', 'w')\ntime.sleep(600)", "b")
+        except JobError as error:
+            failed.append(error)
+
+    thread = Thread(target=run_long, daemon=True)
+    thread.start()
+    wait_until(Path("started").exists)
+    (job,) = (each for each in psutil.Process(loaded).children() if each.status() != psutil.STATUS_ZOMBIE)
+    os.kill(loaded, signal.SIGKILL)
+    thread.join(60)
+    wait_until(lambda: not job.is_running())
+    assert failed
+    assert run(nursery)[0] != loaded
+
+
+def test_nothing_stays_behind_a_process_that_is_killed(nursery):
+    near, far = os.pipe()
+    child = os.fork()
+    if child == 0:
+        try:
+            os.write(far, b"%d" % run(nursery)[0])
+            time.sleep(600)
+        finally:
+            os._exit(1)
+    loaded = psutil.Process(int(os.read(near, 100)))
+    os.kill(child, signal.SIGKILL)
+    os.waitpid(child, 0)
+    wait_until(lambda: not loaded.is_running() or loaded.status() == psutil.STATUS_ZOMBIE)
