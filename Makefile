@@ -48,7 +48,7 @@ lint: $(READY) data/meshes
 	$(BIN)/ruff format --check .
 	$(BIN)/ruff check .
 	$(BIN)/snakefmt --check Snakefile workflow
-	$(BIN)/python .ci/lint_workflow.py
+	$(BIN)/snakemake --lint
 	$(BIN)/mypy
 	PYTHONPATH=workflow/scripts $(BIN)/lint-imports
 

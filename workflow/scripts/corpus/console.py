@@ -16,7 +16,7 @@ from snakemake_interface_logger_plugins.common import LogEvent
 
 PACKAGE = str(Path(snakemake.__file__).parent)
 # What Snakemake says by way of information that is shown.
-SHOWN = (NOTHING_TO_BE_DONE_MSG, "Complete log(s):", "Trying to restart job")
+SHOWN = (NOTHING_TO_BE_DONE_MSG, "Complete log(s):", "Trying to restart job", "Congratulations")
 STEP, PAUSE = 0.1, 300.0  # where lines cannot be overwritten, one for this part of the work, or for so many seconds
 EARLY = 0.05  # part of the work before which nothing is said of the time left
 
