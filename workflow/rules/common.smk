@@ -39,7 +39,7 @@ from corpus.configuration import CONFIG_FILE, ConfigError, check_config, describ
 from corpus.console import show_progress
 from corpus.discovery import CorpusError, find_models, pick_models
 from corpus.layout import BEFORE, MODELS_FOLDER, MODELS_TABLE, REPORT_PAGE, STAGES, chosen_stages, line_behind
-from corpus.outcome import list_first, tell_outcome
+from corpus.outcome import close_idle_runs, list_first, tell_outcome
 from corpus.process import find_full_disks, find_last_words
 from corpus.promises import find_altered, find_broken_promises
 from corpus.receipts import forget_stage
@@ -349,3 +349,7 @@ def explain_error(log):
         f"{MODELS_TABLE}, if it is there, is that of an earlier run. "
         f"The log is {', '.join(map(str, log)) or 'not written'}\n" + "\n".join(list_first(told))
     )
+
+
+if workflow.is_main_process and IS_MAIN:
+    close_idle_runs(workflow, close_run)

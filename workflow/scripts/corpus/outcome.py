@@ -41,6 +41,24 @@ def tell_outcome(path):
     return [*lines, f"All models, with reasons and figures: {path.absolute()}"], kinds["FAILED"]
 
 
+def close_idle_runs(workflow, close):
+    """Have `close` called at the end of a run that finds nothing to do, for which Snakemake calls none of its hooks.
+
+    Parameters
+    ----------
+    workflow : snakemake.workflow.Workflow
+    close : function without arguments
+    """
+    execute = workflow.execute
+
+    def execute_and_close(*arguments, **settings):
+        execute(*arguments, **settings)
+        if not (len(workflow.dag) or workflow.dryrun or workflow.execution_settings.no_hooks):
+            close()
+
+    workflow.execute = execute_and_close
+
+
 def list_first(lines):
     """Return the first of some lines, indented, and how many more there are."""
     more = [f"and {len(lines) - FIRST} more"] if len(lines) > FIRST else []
