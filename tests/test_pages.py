@@ -458,7 +458,7 @@ def test_a_surface_of_more_faces_is_decimated_and_the_page_says_so(made, tmp_pat
 
 def test_a_changed_template_is_other_code(tmp_path):
     sources = {path.name for path in find_sources(Path(view.__file__))}
-    assert {"page.html", "page.css", "page.js", "page_view.js", "three.min.js", "page.py"} <= sources
+    assert {"frame.html", "page.html", "page.css", "page.js", "page_view.js", "three.min.js", "page.py"} <= sources
     assert sources.isdisjoint({"three.LICENSE.txt", "three.entry.js"})  # which the page does not read
     (tmp_path / "stage.py").write_text("import room.words\n")
     (tmp_path / "room").mkdir()
@@ -599,6 +599,18 @@ NARROW = """
     seen.choices.push([words.getBoundingClientRect().width, choice.clientWidth, find("#graph-words").textContent]);
     words.remove();
   }
+  const drawing = all("svg.flat").find((one) => !one.hasAttribute("hidden"));
+  find("#flat").style.width = "120px"; // as if the graph had many lanes
+  const box = drawing.getBoundingClientRect();
+  seen.drawing = [box.width, find("#flat").clientWidth];
+  const { top, bottom } = drawing.dataset;
+  const share = box.height / drawing.viewBox.baseVal.height;
+  for (const row of [+top, +bottom]) { // a click at either end goes to the level there
+    const place = { clientX: box.left + 1, clientY: box.top + share * row, bubbles: true };
+    drawing.dispatchEvent(new MouseEvent("click", place));
+    seen.choices.at(-1).push(Number(find("#level").value));
+  }
+  seen.last = Number(find("#level").max);
   const [slider, told] = ["#level", "#height"].map((name) => find(name).getBoundingClientRect());
   parent.postMessage(JSON.stringify({ ...seen, slider: [slider.width, slider.bottom, told.top] }), "*");
 })();
@@ -617,7 +629,9 @@ def test_on_a_phone_choices_are_read_whole_and_nothing_opens_scrolled(made, tmp_
     assert console == []
     seen = json.loads(html.unescape(re.search("<title>(.*?)</title>", dom)[1]))
     assert seen["flat"] == 0 and seen["across"] <= 0
-    assert len({words for *_, words in seen["choices"]}) == 4
-    assert all(wide + 40 < room for wide, room, _ in seen["choices"])  # with the arrow of the list
+    assert len({choice[2] for choice in seen["choices"]}) == 4
+    assert all(wide + 40 < room for wide, room, *_ in seen["choices"])  # with the arrow of the list
+    assert seen["choices"][-1][3:] == [seen["last"], 0]
+    assert seen["drawing"][0] <= seen["drawing"][1]
     wide, below, above = seen["slider"]
     assert wide > 0.6 * 370 and below <= above  # on a line of its own
