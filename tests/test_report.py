@@ -93,8 +93,9 @@ def test_names_within_other_words_do_not_split_a_reason():
 
 
 def test_a_reason_that_all_models_have_to_the_letter_is_not_said_to_be_of_the_first():
+    reasons = ["The file is empty.", "The file is empty.", "1 hole", "2 holes", "3 holes"]
     rows = [{"status": "rejected", "verdict": "rejected", "reason": reason, "model": f"m{k}", "path": f"m{k}.stl"}
-            for k, reason in enumerate(["The file is empty.", "The file is empty.", "1 hole", "2 holes", "3 holes"])]  # fmt: skip
+            for k, reason in enumerate(reasons)]  # fmt: skip
     told = write_looks(find_looks(rows), [row["model"] for row in rows], [None] * 5)
     assert told.count("numbers and names: of") == 1 and "numbers and names: of m3" in told
 
