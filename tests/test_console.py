@@ -188,4 +188,8 @@ def test_the_last_lines_tell_verdicts_and_what_needs_a_look(tmp_path):
     write_parquet(path, pa.Table.from_pylist([row | unsure for row in rows[:2]]))
     told = "Pockets are not certified of 2, as the column void_reason says: m0 first"
     assert tell_outcome(path)[0] == ["2 models: 2 exact", told, f"All models, with reasons and figures: {path}"]
+    noted = [row | {"reason": "not exported: too many"} for row in rows[:2]]
+    write_parquet(path, pa.Table.from_pylist(noted + rows[2:3]))
+    told = "Something beside the graphs is left out of 2, as the column reason says: m0 first"
+    assert tell_outcome(path)[0] == ["3 models: 3 exact", told, f"All models, with reasons and figures: {path}"]
     assert list_first(["a", "b", "c"]) == ["  a", "  b", "  c"]

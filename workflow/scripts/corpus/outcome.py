@@ -38,6 +38,10 @@ def tell_outcome(path):
     unsure = [row["model"] for row in sound if "basins_count" in row and row.get("void_verdict") == "uncertified"]
     if unsure:
         lines.append(f"Pockets are not certified of {len(unsure)}, as the column void_reason says: {unsure[0]} first")
+    noted = [row["model"] for row in sound if row["reason"]]
+    if noted:
+        told = f"Something beside the graphs is left out of {len(noted)}"
+        lines.append(f"{told}, as the column reason says: {noted[0]} first")
     return [*lines, f"All models, with reasons and figures: {path.absolute()}"], kinds["FAILED"]
 
 
