@@ -36,6 +36,8 @@ from reebslice import label_faces
 from reebslice.drawing import page_model
 from reebslice.drawing.arc_routes import route_arcs
 from reebslice.drawing.display_mesh import reduce_faces, split_by_label
+from reebslice.drawing.embedded_graphs import EmbeddedGraph
+from reebslice.drawing.flat_svg import draw_svg
 from reebslice.errors import ReebsliceError, TooManyCrossingsError
 from reebslice.formats.glb import POINTS, Part, write_glb
 from reebslice.graphs.shown_arcs import spread_over_arcs
@@ -583,6 +585,17 @@ def test_without_webgl_the_page_says_so_and_the_rest_works(made):
     dom, _ = browse("--disable-gpu", "--disable-3d-apis", "--dump-dom", (made["plate"] / "view.html").as_uri())
     assert 'data-ready="yes"' in dom and '<p id="nothing">The model cannot be shown in space here, all else' in dom
     assert re.search(r'<output id="height">[^<]*contour', dom) and dom.count('class="hit"') > 3
+
+
+@pytest.mark.parametrize("lanes, wide", [(2, False), (40, False), (90, True)])
+def test_a_flat_graph_of_many_lanes_is_not_shrunk(lanes, wide):
+    nodes = [{"height": 0.0, "operation": "union", "side": "A", "handle": 0}]
+    nodes += [{"height": 1.0, "operation": "annihilation", "side": "B", "handle": k} for k in range(1, lanes + 1)]
+    ends = np.array([[0, k] for k in range(1, lanes + 1)])
+    drawing = draw_svg(
+        "solid", EmbeddedGraph(nodes, ends, [], np.zeros((lanes + 1, 3)), [], []), np.arange(lanes + 1.0)
+    )
+    assert drawing.startswith('<svg class="flat wide"' if wide else '<svg class="flat"')
 
 
 NARROW = """
