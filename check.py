@@ -5,6 +5,7 @@ of the events (handles), and says yes or no. docs/theorem.md states what a yes p
 """
 
 import json
+import signal
 import sys
 from collections import Counter
 from fractions import Fraction
@@ -22,8 +23,7 @@ COLUMNS = {
     "handles": ["vertex", "rank", *NODE], "arcs": ["graph", "source", "target"],
 }  # fmt: skip
 # What may become of outer (o) and inner (i) contours; A: material appears as the height rises, B: void does.
-CHANGES = "->o ->i o-> i-> o,o->o i,o->i o->i,o i->i,i o->o,o i->i,o i,o->o i,i->i".split()
-SIDES = dict(zip(CHANGES, "ABBAAAAABBBB"))
+SIDES = dict(zip("->o ->i o-> i-> o,o->o i,o->i o->i,o i->i,i o->o,o i->i,o i,o->o i,i->i".split(), "ABBAAAAABBBB"))
 OPERATIONS = {(0, 1): "creation", (1, 0): "annihilation", (2, 1): "union", (1, 2): "separation"}
 TYPES = {"long": int, "double": float, "string": str}
 
@@ -57,8 +57,7 @@ def components(a, b, n):
         np.minimum.at(root, np.maximum(root[a], root[b]), np.minimum(root[a], root[b]))
         while (root[root] != root).any():
             root = root[root]
-        apart = root[a] != root[b]
-        a, b = a[apart], b[apart]
+        a, b = np.stack([a, b])[:, root[a] != root[b]]
     return root
 
 
@@ -297,4 +296,5 @@ def main(results="results"):
 
 
 if __name__ == "__main__":
+    signal.signal(getattr(signal, "SIGPIPE", signal.SIGINT), signal.SIG_DFL)  # end quietly where `| head` has enough
     sys.exit(main(*sys.argv[1:]))

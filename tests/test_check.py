@@ -7,6 +7,8 @@ PYTHONPATH, RESULTS being folders of results as Snakemake leaves them.
 import ast
 import json
 import shutil
+import signal
+import subprocess
 import sys
 
 import numpy as np
@@ -88,6 +90,15 @@ def test_what_claims_nothing_is_neither_accepted_nor_refused(results, tmp_path, 
     (folder / "certificate.json").write_text(json.dumps(told | {"verdict": "uncertified"}))
     assert check.main(tmp_path) == 0
     assert capsys.readouterr().out.split()[1:] == ["-", "uncertified:", "it", "makes", "no", "claim"]
+
+
+def test_a_reader_that_has_enough_ends_it_without_a_traceback(results, tmp_path):
+    shutil.copytree(results / "models" / "torus", tmp_path / "models" / "torus")
+    command = [sys.executable, str(CHECKOUT / "check.py"), str(tmp_path)]
+    with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE) as running:
+        running.stdout.close()  # as `| head` does
+        assert running.stderr.read() == b""
+    assert running.returncode == -signal.SIGPIPE
 
 
 def test_no_alteration_is_accepted_that_changes_an_answer(results):

@@ -244,7 +244,8 @@ def test_a_configuration_that_is_accepted_fails_no_model(given_config):
             for stage, module in MODULES.items():
                 module.main(folder / "mesh.off" if stage == "inspect_mesh" else folder, folder, options[stage])
         except Rejected as rejection:
-            guessed = config["edges"]["method"] != "exact" and "they take edges: {method: exact}" in str(rejection)
+            told = "arcs of faces take edges: {method: exact}"
+            guessed = config["edges"]["method"] != "exact" and told in str(rejection)
             if not guessed and (levels["units"] != "absolute" or "Take a larger distance" not in str(rejection)):
                 raise
 

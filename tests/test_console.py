@@ -95,6 +95,17 @@ def test_a_line_says_what_is_under_way_though_jobs_follow_one_another(progress):
     assert progress.shown.stream.getvalue().endswith("4 of 4 models done" + progress.line_end)
 
 
+def test_of_jobs_that_the_user_interrupts_no_error_is_shown_but_what_the_workflow_says(progress):
+    broken = {"text": "Error in rule draw", "level": logging.ERROR}
+    progress.handle(record(LogEvent.JOB_ERROR, jobid=1, **broken))
+    progress.handle(record(text="Terminating processes on user request, this might take some time."))
+    progress.handle(record(LogEvent.JOB_ERROR, jobid=2, **broken))
+    progress.handle(record(text="Stopped, as asked for.", level=logging.ERROR, path="/y/common.smk"))
+    written = progress.shown.stream.getvalue()
+    assert progress.stopped and written.count("Error in rule draw") == 1
+    assert written.index("Error") < written.index("Terminating") < written.index("Stopped, as asked for.")
+
+
 def test_without_a_plan_nothing_is_said_of_progress():
     handler = Progress(None, None)
     handler.shown = logging.StreamHandler(Screen(True))
@@ -177,4 +188,8 @@ def test_the_last_lines_tell_verdicts_and_what_needs_a_look(tmp_path):
     write_parquet(path, pa.Table.from_pylist([row | unsure for row in rows[:2]]))
     told = "Pockets are not certified of 2, as the column void_reason says: m0 first"
     assert tell_outcome(path)[0] == ["2 models: 2 exact", told, f"All models, with reasons and figures: {path}"]
+    noted = [row | {"reason": "not exported: too many"} for row in rows[:2]]
+    write_parquet(path, pa.Table.from_pylist(noted + rows[2:3]))
+    told = "Something beside the graphs is left out of 2, as the column reason says: m0 first"
+    assert tell_outcome(path)[0] == ["3 models: 3 exact", told, f"All models, with reasons and figures: {path}"]
     assert list_first(["a", "b", "c"]) == ["  a", "  b", "  c"]

@@ -15,7 +15,7 @@ import draw_figures
 import solids
 from corpus.storage import read_blocks, read_table
 from pipeline import run_stages
-from reebslice.drawing import loops, pockets
+from reebslice.drawing import figures, loops, pockets
 from reebslice.drawing.canvas import Words, draw_lines, draw_marks, measure_text, new_canvas, rgb, write_words
 from reebslice.drawing.figures import choose_events
 from reebslice.drawing.flat import is_crowded, list_ranks
@@ -105,7 +105,7 @@ def test_flat_parts_are_seen_from_above_and_their_events_in_order():
 # Figures as SVG and PDF
 
 
-def test_figures_are_drawn_the_same_twice_and_tell_what_the_tables_hold(tmp_path):
+def test_figures_are_drawn_the_same_twice_and_tell_what_the_tables_hold(tmp_path, monkeypatch):
     run_stages(solids.torus(upright=True), tmp_path, levels={"distance": 0.1})
     certify.main(tmp_path, tmp_path, {"distance": 0.1, "units": "relative", "feature_size": 0.2, "refine": "exact"})
     options, drawn = {"width": 400, "azimuth": -60, "elevation": None, "graph": "auto"}, []
@@ -129,9 +129,15 @@ def test_figures_are_drawn_the_same_twice_and_tell_what_the_tables_hold(tmp_path
     assert "Reeb graph of the solid, 4 nodes" in words["figure_graph.svg"]
     contours = read_table(tmp_path / "contours.parquet", "contours", without=("geometry",))
     geometry = read_blocks(tmp_path / "contours.parquet", "contours", "geometry")
-    events = choose_events(
+    events, count = choose_events(
         read_table(tmp_path / "handles.parquet", "handles"), read_graph(tmp_path / "solid.graphml"), contours, geometry
     )
+    assert len(events) == count == len(handles)
+    told = "Critical level sets, right below and above each of "
+    assert f"{told}{count} events" in words["figure_levels.svg"]
+    monkeypatch.setattr(figures, "MOST", 2)
+    draw_figures.main(tmp_path, tmp_path, options)
+    assert f"{told}the 2 most persistent of {count} events" in (tmp_path / "figure_levels.svg").read_text()
     for row, curves in events:
         assert len(curves) == len(row["contours_below"]) + len(row["contours_above"])
         assert all(abs(curve[0, 2] - row["height"]) < 0.3 * 5.4 for curve in curves)

@@ -36,6 +36,8 @@ from reebslice import label_faces
 from reebslice.drawing import page_model
 from reebslice.drawing.arc_routes import route_arcs
 from reebslice.drawing.display_mesh import reduce_faces, split_by_label
+from reebslice.drawing.embedded_graphs import EmbeddedGraph
+from reebslice.drawing.flat_svg import draw_svg
 from reebslice.errors import ReebsliceError, TooManyCrossingsError
 from reebslice.formats.glb import POINTS, Part, write_glb
 from reebslice.graphs.shown_arcs import spread_over_arcs
@@ -458,7 +460,7 @@ def test_a_surface_of_more_faces_is_decimated_and_the_page_says_so(made, tmp_pat
 
 def test_a_changed_template_is_other_code(tmp_path):
     sources = {path.name for path in find_sources(Path(view.__file__))}
-    assert {"page.html", "page.css", "page.js", "page_view.js", "three.min.js", "page.py"} <= sources
+    assert {"frame.html", "page.html", "page.css", "page.js", "page_view.js", "three.min.js", "page.py"} <= sources
     assert sources.isdisjoint({"three.LICENSE.txt", "three.entry.js"})  # which the page does not read
     (tmp_path / "stage.py").write_text("import room.words\n")
     (tmp_path / "room").mkdir()
@@ -585,6 +587,17 @@ def test_without_webgl_the_page_says_so_and_the_rest_works(made):
     assert re.search(r'<output id="height">[^<]*contour', dom) and dom.count('class="hit"') > 3
 
 
+@pytest.mark.parametrize("lanes, wide", [(2, False), (40, False), (90, True)])
+def test_a_flat_graph_of_many_lanes_is_not_shrunk(lanes, wide):
+    nodes = [{"height": 0.0, "operation": "union", "side": "A", "handle": 0}]
+    nodes += [{"height": 1.0, "operation": "annihilation", "side": "B", "handle": k} for k in range(1, lanes + 1)]
+    ends = np.array([[0, k] for k in range(1, lanes + 1)])
+    drawing = draw_svg(
+        "solid", EmbeddedGraph(nodes, ends, [], np.zeros((lanes + 1, 3)), [], []), np.arange(lanes + 1.0)
+    )
+    assert drawing.startswith('<svg class="flat wide"' if wide else '<svg class="flat"')
+
+
 NARROW = """
 (async () => {
   while (!document.body.dataset.ready) await new Promise((done) => setTimeout(done, 50));
@@ -599,6 +612,18 @@ NARROW = """
     seen.choices.push([words.getBoundingClientRect().width, choice.clientWidth, find("#graph-words").textContent]);
     words.remove();
   }
+  const drawing = all("svg.flat").find((one) => !one.hasAttribute("hidden"));
+  find("#flat").style.width = "120px"; // as if the graph had many lanes
+  const box = drawing.getBoundingClientRect();
+  seen.drawing = [box.width, find("#flat").clientWidth];
+  const { top, bottom } = drawing.dataset;
+  const share = box.height / drawing.viewBox.baseVal.height;
+  for (const row of [+top, +bottom]) { // a click at either end goes to the level there
+    const place = { clientX: box.left + 1, clientY: box.top + share * row, bubbles: true };
+    drawing.dispatchEvent(new MouseEvent("click", place));
+    seen.choices.at(-1).push(Number(find("#level").value));
+  }
+  seen.last = Number(find("#level").max);
   const [slider, told] = ["#level", "#height"].map((name) => find(name).getBoundingClientRect());
   parent.postMessage(JSON.stringify({ ...seen, slider: [slider.width, slider.bottom, told.top] }), "*");
 })();
@@ -617,7 +642,9 @@ def test_on_a_phone_choices_are_read_whole_and_nothing_opens_scrolled(made, tmp_
     assert console == []
     seen = json.loads(html.unescape(re.search("<title>(.*?)</title>", dom)[1]))
     assert seen["flat"] == 0 and seen["across"] <= 0
-    assert len({words for *_, words in seen["choices"]}) == 4
-    assert all(wide + 40 < room for wide, room, _ in seen["choices"])  # with the arrow of the list
+    assert len({choice[2] for choice in seen["choices"]}) == 4
+    assert all(wide + 40 < room for wide, room, *_ in seen["choices"])  # with the arrow of the list
+    assert seen["choices"][-1][3:] == [seen["last"], 0]
+    assert seen["drawing"][0] <= seen["drawing"][1]
     wide, below, above = seen["slider"]
     assert wide > 0.6 * 370 and below <= above  # on a line of its own

@@ -18,9 +18,10 @@ from hypothesis import strategies as st
 import report_models
 from corpus.carried_files import MOST, list_carried
 from corpus.configuration import check_config
-from reebslice.drawing.report_charts import draw_chart, split_values
+from reebslice.drawing.report_charts import HEIGHT, draw_chart, split_values
 from reebslice.drawing.report_figures import FIGURES, list_figures
 from reebslice.drawing.report_looks import MATTERS, find_looks
+from reebslice.drawing.report_words import write_looks
 from reebslice.drawing.verdicts import shorten_numbers
 from test_pages import BROWSER, NASTY, Reader, browse
 
@@ -89,6 +90,14 @@ def test_names_within_other_words_do_not_split_a_reason():
     rows = [{"status": "rejected", "verdict": "rejected", "reason": reason.format(name), "model": name,
              "path": f"meshes/{name}.stl"} for name in ("a", "e", "part")]  # fmt: skip
     assert [look.models for look in find_looks(rows)] == [[0, 1, 2]]
+
+
+def test_a_reason_that_all_models_have_to_the_letter_is_not_said_to_be_of_the_first():
+    reasons = ["The file is empty.", "The file is empty.", "1 hole", "2 holes", "3 holes"]
+    rows = [{"status": "rejected", "verdict": "rejected", "reason": reason, "model": f"m{k}", "path": f"m{k}.stl"}
+            for k, reason in enumerate(reasons)]  # fmt: skip
+    told = write_looks(find_looks(rows), [row["model"] for row in rows], [None] * 5)
+    assert told.count("numbers and names: of") == 1 and "numbers and names: of m3" in told
 
 
 def read_data(page):
@@ -190,6 +199,15 @@ def test_bars_of_the_page_count_what_their_limits_choose():
         counts = [int(count.replace(",", "")) for *_, count in bars]
         assert counts == [sum(float(low) <= value <= float(high) for value in known) for low, high, _ in bars]
         assert not bars or sum(counts) == len(known)
+
+
+@given(numbers)
+def test_words_below_bars_differ_and_do_not_cover_each_other(values):
+    chart = draw_chart(FIGURES[0], values)
+    labels = re.findall(rf'<text x="([\d.]+)" y="{HEIGHT - 5}">([^<]*)</text>', chart)
+    assert (len(labels) > 0) == (len(set(values)) > 1)
+    for (left, one), (right, other) in itertools.pairwise(labels):
+        assert one != other and float(right) - float(left) >= 5.5 * (len(one) + len(other)) / 2
 
 
 # ---------------------------------------------------------------- the page
@@ -366,20 +384,54 @@ def test_rows_are_sorted_searched_and_chosen_by_bars_and_looks(tmp_path, monkeyp
     assert seen["wide"] <= 0
 
 
+PHONE = """
+const page = document.documentElement;
+const lines = (text) => {
+  const range = document.createRange();
+  range.selectNodeContents(text);
+  return new Set([...range.getClientRects()].map((box) => box.top)).size;
+};
+const names = all(".name, .names a, .model small:nth-of-type(1)").flatMap((name) => [...name.childNodes]);
+const figures = all("#table td.number");
+const [first] = all("#table details").map((box) => box.getBoundingClientRect().height);
+find("#table details").open = true;
+const whole = find("#table details").getBoundingClientRect().height;
+const seen = {
+  wide: page.scrollWidth - page.clientWidth,
+  broken: names.filter((text) => text.nodeType === 3 && lines(text) > 1).map((text) => text.data),
+  names: names.length,
+  labels: [...new Set(figures.map((cell) => getComputedStyle(cell, "::before").content))],
+  beyond: figures.filter((cell) => cell.getBoundingClientRect().right > page.clientWidth).length,
+  grows: whole - first,
+};
+parent.postMessage(JSON.stringify(seen), "*");
+"""
+
+
 @pytest.mark.skipif(BROWSER is None, reason="no Chromium is installed")
-def test_on_a_phone_the_page_itself_does_not_scroll_sideways(tmp_path, monkeypatch):
-    page = make_page(tmp_path, make_rows(60), monkeypatch)
-    code = "const page = document.documentElement; parent.postMessage(page.scrollWidth - page.clientWidth, '*')"
-    digest = base64.b64encode(hashlib.sha256(code.encode()).digest()).decode()
+def test_on_a_phone_all_of_the_page_is_within_its_width_and_no_word_is_broken(tmp_path, monkeypatch):
+    rows = make_rows(60)
+    rows[3] |= {"model": "a_long_name-of_some_part-of_a_machine_with_a_number_0003"}
+    rows[3] |= {
+        "path": f"meshes/{rows[3]['model']}.stl",
+        "reason": rows[3]["reason"] + " Or turn its faces around." * 9,
+    }
+    page = make_page(tmp_path, rows, monkeypatch)
+    digest = base64.b64encode(hashlib.sha256(PHONE.encode()).digest()).decode()
     text = page.read_text().replace("script-src ", f"script-src 'sha256-{digest}' ", 1)
-    page.write_text(text.replace("</body>", f"<script>{code}</script></body>"))
+    page.write_text(text.replace("</body>", f"<script>{PHONE}</script></body>"))
     phone = page.with_name("phone.html")  # as narrow a window cannot be had
     told = "<script>onmessage = (event) => (document.title = event.data)</script>"
     phone.write_text(
         f'<title></title>{told}<iframe src="{page.name}" width="390" height="800" frameborder="0"></iframe>'
     )
     dom, console = browse("--dump-dom", "--allow-file-access-from-files", phone.as_uri())
-    assert console == [] and "<title>0</title>" in dom
+    assert console == []
+    seen = json.loads(html.unescape(re.search("<title>(.*?)</title>", dom)[1]))
+    assert seen["wide"] == 0 and seen["broken"] == [] and seen["names"] > 60
+    assert len(seen["labels"]) == 3 and '"genus\xa0"' in [label.replace("\u00a0", "\xa0") for label in seen["labels"]]
+    assert seen["beyond"] == 0
+    assert seen["grows"] > 10, "a long reason is folded until it is opened"
 
 
 def test_words_are_told_from_their_ground_in_light_and_in_dark():

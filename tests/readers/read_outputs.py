@@ -4,7 +4,8 @@
 
 Makes three small models, an environment in FOLDER (.readers) for each program, unless it is there with these
 versions, and has each read what is made for it. Each holds what it reads against what the tables say, and tells its
-version. Takes node with npm for graphology, and for Boost g++ and apt-get of Debian 12; what is missing is said.
+version. Takes node with npm for graphology, for Boost g++ and apt-get of Debian 12, and for ParaView pvpython (its
+packages paraview and python3-paraview); what is missing is said.
 """
 
 import json
@@ -20,6 +21,7 @@ import pyarrow.parquet as pq
 import certify
 import export_model
 import solids
+import view
 from corpus.storage import content_key
 from pipeline import OPTIONS, run_stages
 from reebslice.schemas import GRAPHS
@@ -46,6 +48,7 @@ def make_models(folder):
             run_stages(solid, place, levels={"distance": 0.1}, tilt={"mode": "auto"}, nodes={"sampler": "inscribed"})
             certify.main(place, place, OPTIONS["levels"] | {"distance": 0.1})
             export_model.main(place, place, {"method": "exact"})
+            view.main(place, place, {"faces": 50000})
         (place / "expected.json").write_text(json.dumps(describe(place)))
     return [folder / name for name in shapes]
 
@@ -115,7 +118,9 @@ def make_reader(name, place):
     """Make the reader of this name in a folder, and return the command that reads."""
     if name in PACKAGES:
         return [make_python(place, PACKAGES[name]), str(HERE / f"read_{name}.py")]
-    return {"graphology": make_node, "boost": make_boost}[name](place)
+    if name == "paraview":
+        return ["pvpython", str(HERE / "read_paraview.py")]
+    return {"node": make_node, "boost": make_boost}[name](place)
 
 
 def main(place=".readers"):
@@ -123,13 +128,10 @@ def main(place=".readers"):
     place, failed = Path(place).absolute(), 0
     with TemporaryDirectory() as folder:
         models = make_models(Path(folder))
-        makers = {
-            name: lambda n=name: [make_python(place / n, PACKAGES[n]), HERE / f"read_{n}.py"] for name in PACKAGES
-        }
-        makers |= {"graphology": lambda: make_node(place / "node"), "boost": lambda: make_boost(place / "boost")}
-        for name, make in makers.items():
+        for name in (*PACKAGES, "node", "boost", "paraview"):
             try:
-                done = subprocess.run([*make(), *models], capture_output=True, text=True, check=False)
+                command = [*make_reader(name, place / name), *models]
+                done = subprocess.run(command, capture_output=True, text=True, check=False)
             except (OSError, subprocess.CalledProcessError) as fault:
                 failed += 1
                 print(f"{name}: not there: {fault}")

@@ -49,7 +49,7 @@ from corpus.layout import (
     chosen_stages,
     line_behind,
 )
-from corpus.outcome import list_first, tell_outcome
+from corpus.outcome import close_idle_runs, list_first, tell_outcome
 from corpus.process import find_full_disks, find_last_words
 from corpus.promises import find_altered, find_broken_promises
 from corpus.receipts import forget_stage
@@ -380,10 +380,15 @@ def close_wishes():
 
 def explain_error(log):
     """Say what kept the run from its end, and what it leaves behind."""
-    words = find_last_words("results/logs", STARTED)
+    stopped = PROGRESS and PROGRESS.stopped
+    words = {} if stopped else find_last_words("results/logs", STARTED)
     told = [f"{path}: {word}" for path, word in words.items()] + find_full_disks([".", tempfile.gettempdir()])
     logger.error(
-        "The run did not finish. Models that were completed are kept; start it again, as it is, to go on. "
+        f"{'Stopped, as asked for' if stopped else 'The run did not finish'}. Models that were completed are kept; start it again, as it is, to go on. "
         f"{MODELS_TABLE}, if it is there, is that of an earlier run. "
         f"The log is {', '.join(map(str, log)) or 'not written'}\n" + "\n".join(list_first(told))
     )
+
+
+if workflow.is_main_process and IS_MAIN:
+    close_idle_runs(workflow, close_run)

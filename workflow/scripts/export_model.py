@@ -8,18 +8,14 @@ verdict, which is known by now.
 
 import numpy as np
 
-from corpus.stages import Rejected
 from corpus.storage import read_blocks, read_json, read_table, write_json, write_table, write_text
-from corpus.surfaces import read_arc_tables, read_faces, read_points, read_shells
+from corpus.surfaces import read_arc_tables
 from corpus.whole_files import place_whole
+from label_faces import label_model
 from reebslice.drawing.model import read_graph
-from reebslice.errors import TooManyCrossingsError
-from reebslice.graphs.arc_labels import slice_arcs
 from reebslice.graphs.face_labels import list_face_arcs
 from reebslice.graphs.graph_arrays import graph_arrays
 from reebslice.graphs.model_files import contour_lines, graph_lines, graph_tree, surface_triangles
-from reebslice.morse.height_mesh import height_mesh
-from reebslice.morse.reeb_graph import surface_reeb_graph
 from reebslice.slicing.region_tables import regions_table
 from reebslice.slicing.tables import contour_curves
 
@@ -40,18 +36,15 @@ def main(source, target, options):
 
     options : `method`, that of `edges`.
     """
-    if options["method"] != "exact":
-        raise Rejected("not exported: it takes edges: {method: exact}, since guessed links tell of no faces.")
+    model = label_model(source, options["method"], "not exported")
     tilt, certificate = read_json(source / "tilt.json"), read_json(source / "certificate.json")
-    rotation = np.array(tilt["rotation"])
     about = {"model": source.name, "verdict": certificate["verdict"]}
     about |= {"unit": read_json(source / "inspection.json")["unit"] or ""}
-    tables = read_arc_tables(source)
-    _, contours, _, arcs = tables
+    _, contours, _, arcs = read_arc_tables(source)
     curves = contour_curves(contours, read_blocks(source / "contours.parquet", "contours", "geometry"))
     write_table(target / "regions.parquet", "regions", regions_table(contours, curves))
-    write_text(target / "contours.vtp", contour_lines(contours, curves, rotation, about))
-    write_text(target / "surface.vtp", _write_surface(source, rotation, tables, about))
+    write_text(target / "contours.vtp", contour_lines(contours, curves, model.rotation, about))
+    write_text(target / "surface.vtp", _write_surface(model, about))
     graphs = {name: read_graph(source / f"{name}.graphml") for name in ("solid", "surface", "augmented")}
     nodes = read_table(source / "nodes.parquet", "nodes")
     write_text(target / "solid.vtp", graph_lines(graphs["solid"], arcs, nodes, about))
@@ -64,14 +57,12 @@ def main(source, target, options):
             np.savez(file, **graph_arrays(graphs[name], about | {"graph": name}))
 
 
-def _write_surface(source, rotation, tables, about):
+def _write_surface(model, about):
     """The surface with the arcs that its faces lie on, as poly data."""
-    points, faces = read_points(source), read_faces(source)
-    mesh = height_mesh(points, faces, rotation)
-    graph, body = surface_reeb_graph(mesh), read_shells(source, len(points))[1]
-    try:
-        labels = slice_arcs(mesh, graph, body[mesh.vertex], *tables)
-    except TooManyCrossingsError as fault:
-        raise Rejected(f"not exported: {fault}. Take levels: {{refine: feature}}.") from None
-    table, _ = list_face_arcs(mesh, graph, labels, (points, faces), rotation, False)
-    return surface_triangles(points, faces, table, points @ rotation[2], about)
+    points, faces = model.surface
+    table, _ = list_face_arcs(*model[:3], model.surface, model.rotation, False)
+    return surface_triangles(points, faces, table, points @ model.rotation[2], about)
+
+
+if "snakemake" in globals():
+    run_batch(snakemake, main, OUTPUTS)

@@ -16,7 +16,8 @@ from snakemake_interface_logger_plugins.common import LogEvent
 
 PACKAGE = str(Path(snakemake.__file__).parent)
 # What Snakemake says by way of information that is shown.
-SHOWN = (NOTHING_TO_BE_DONE_MSG, "Complete log(s):", "Trying to restart job", "Congratulations")
+STOPPING = "Terminating processes on user request"
+SHOWN = (NOTHING_TO_BE_DONE_MSG, "Complete log(s):", "Trying to restart job", STOPPING, "Congratulations")
 STEP, PAUSE = 0.1, 300.0  # where lines cannot be overwritten, one for this part of the work, or for so many seconds
 EARLY = 0.05  # part of the work before which nothing is said of the time left
 
@@ -51,6 +52,7 @@ class Progress(LogHandlerBase):
     def __post_init__(self):
         self.name = "ReebsliceProgress"
         self.shown = None  # the default handler
+        self.stopped = False  # whether the user has interrupted the run: errors of jobs that end so are no news
         self.timed = True  # whether the time that jobs took tells of the time left; not while they compile
         self._left, self._running, self._all = {}, {}, 0.0
         self._told, self._line, self._due = (0.0, 0.0), "", False
@@ -86,7 +88,8 @@ class Progress(LogHandlerBase):
                 self._show_line()
         elif event == LogEvent.JOB_ERROR:
             self._running.pop(record.jobid, None)
-        if matters(record):
+        self.stopped |= str(record.msg).startswith(STOPPING)
+        if matters(record) and not (self.stopped and record.levelname == "ERROR" and _is_of_snakemake(record)):
             self._write("\r\x1b[K" if self._line else "")
             self.shown.handle(record)
             self._write(self._line)
@@ -142,7 +145,11 @@ def matters(record):
     if record.levelname != "INFO":
         return record.levelno > 20
     told = str(record.msg)
-    return told.startswith(SHOWN) or not record.pathname.startswith(PACKAGE)
+    return told.startswith(SHOWN) or not _is_of_snakemake(record)
+
+
+def _is_of_snakemake(record):
+    return record.pathname.startswith(PACKAGE)
 
 
 def _round_time(seconds):

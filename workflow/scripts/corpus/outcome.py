@@ -38,7 +38,29 @@ def tell_outcome(path):
     unsure = [row["model"] for row in sound if "basins_count" in row and row.get("void_verdict") == "uncertified"]
     if unsure:
         lines.append(f"Pockets are not certified of {len(unsure)}, as the column void_reason says: {unsure[0]} first")
+    noted = [row["model"] for row in sound if row["reason"]]
+    if noted:
+        told = f"Something beside the graphs is left out of {len(noted)}"
+        lines.append(f"{told}, as the column reason says: {noted[0]} first")
     return [*lines, f"All models, with reasons and figures: {path.absolute()}"], kinds["FAILED"]
+
+
+def close_idle_runs(workflow, close):
+    """Have `close` called at the end of a run that finds nothing to do, for which Snakemake calls none of its hooks.
+
+    Parameters
+    ----------
+    workflow : snakemake.workflow.Workflow
+    close : function without arguments
+    """
+    execute = workflow.execute
+
+    def execute_and_close(*arguments, **settings):
+        execute(*arguments, **settings)
+        if not (len(workflow.dag) or workflow.dryrun or workflow.execution_settings.no_hooks):
+            close()
+
+    workflow.execute = execute_and_close
 
 
 def list_first(lines):

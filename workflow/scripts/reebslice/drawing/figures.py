@@ -15,7 +15,7 @@ from .titles import write_title
 from .views import project_points
 
 GREY = "#9AA3AE"
-MOST = 16  # events in the figure of the critical level sets
+MOST = 16  # events in the figure of the critical level sets, whose words are one below the other
 
 
 def choose_events(handles, graph, contours, geometry):
@@ -32,18 +32,20 @@ def choose_events(handles, graph, contours, geometry):
 
     Returns
     -------
-    list of (dict, list of (k, 3) float64)
+    events : list of (dict, list of (k, 3) float64)
         At most `MOST` rows of the table, upward, each with the contours right below and above it, tilted frame.
+    count : int
+        How many there are to choose from.
     """
     shown = {data["handle"] for data in graph.nodes.values()}
-    rows = [row for row in handles.to_pylist() if row["handle"] in shown]
-    rows = sorted(sorted(rows, key=lambda row: -row["persistence"])[:MOST], key=lambda row: row["handle"])
+    found = [row for row in handles.to_pylist() if row["handle"] in shown]
+    rows = sorted(sorted(found, key=lambda row: -row["persistence"])[:MOST], key=lambda row: row["handle"])
     wanted = sorted({contour for row in rows for contour in row["contours_below"] + row["contours_above"]})
     curves = dict(zip(wanted, unpack_contours(contours, geometry, np.array(wanted, int))))
-    return [(row, [curves[c] for c in row["contours_below"] + row["contours_above"]]) for row in rows]
+    return [(row, [curves[c] for c in row["contours_below"] + row["contours_above"]]) for row in rows], len(found)
 
 
-def paint_levels(canvas, title, body, events, options):
+def paint_levels(canvas, title, body, chosen, options):
     """Draw the contours that each event changes, and what it does.
 
     Parameters
@@ -52,8 +54,8 @@ def paint_levels(canvas, title, body, events, options):
         Drawn on in place.
     title : Title
     body : Body
-    events : list of (dict, list of (k, 3) float64)
-        Rows of the table `handles`, upward, each with the closed contours right below and above it, tilted frame.
+    chosen : (list of (dict, list of (k, 3) float64), int)
+        As :func:`choose_events` returns them.
     options : dict
         As for :func:`.picture.draw_model`.
 
@@ -66,7 +68,9 @@ def paint_levels(canvas, title, body, events, options):
     view, corner, panel = arrange(width, height, body, options)
     draw_body(canvas, corner, view, body)
     words = write_title(title, width, height)
-    told = f"Critical level sets, right below and above each of {len(events)} events"
+    events, count = chosen
+    some = f"{count} events" if len(events) == count else f"the {len(events)} most persistent of {count} events"
+    told = f"Critical level sets, right below and above each of {some}"
     words.append(Words(told, (panel.left, panel.top - 12 * unit), 8.5, INK))
     rows = np.linspace(panel.top + panel.height, panel.top, len(events) + 2)[1:-1]
     for (handle, curves), row in zip(events, rows):

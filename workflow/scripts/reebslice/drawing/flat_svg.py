@@ -54,9 +54,10 @@ def draw_svg(name, graph, hints):
     body = _draw_axis(low, high, extent, width)
     body += [_draw_arc(k, column, row, lane[k], pair) for k, pair in enumerate(graph.ends.tolist())]
     scale = min(step / WIDE, 1.0)
+    kind = "flat wide" if width > LEFT + RIGHT + ROOM + WIDEST else "flat"
     body += [_draw_node(k, node, column[k], row[k], scale) for k, node in enumerate(graph.nodes)]
     return (
-        f'<svg class="flat" data-graph="{name}" role="img" aria-label="{name.replace("_", ", ")} graph by height: '
+        f'<svg class="{kind}" data-graph="{name}" role="img" aria-label="{name.replace("_", ", ")} graph by height: '
         f'{len(heights)} nodes, {len(graph.ends)} arcs" width="{width:.0f}" height="{TALL}" '
         f'viewBox="0 0 {width:.0f} {TALL}" data-low="{low!r}" data-high="{high!r}" data-top="{TOP}" '
         f'data-bottom="{TALL - BOTTOM}">{"".join(body)}</svg>'

@@ -4,7 +4,7 @@
 
 // The scene: binary glTF, its JSON, and what that tells of the whole and of each part.
 let [BYTES, SCENE, FACTS, PARTS] = [];
-const HINT = "Point at a line, a node or the surface to see its figures; click to keep them.";
+const HINT = "Point at a line, a node or the surface, or touch it, to see its figures; a click keeps them.";
 const state = { graph: null, lit: undefined, kept: null, level: 0 };
 const find = (selector) => document.querySelector(selector);
 const all = (selector) => [...document.querySelectorAll(selector)];
@@ -181,8 +181,15 @@ function setGraph(name) {
   state.kept = null;
   light(null);
   all("svg.flat, .arcs").forEach((part) => part.toggleAttribute("hidden", part.dataset.graph !== name));
-  find("#graph-words").textContent = find("#graph").selectedOptions[0]?.dataset.words ?? "";
+  sayWhichGraph();
   view?.setGraph(name);
+}
+
+/** Say what the graph is, and whether there is more of its drawing than can be seen at once. */
+function sayWhichGraph() {
+  const { scrollWidth, clientWidth } = find("#flat");
+  const more = scrollWidth > clientWidth ? "The drawing is wider than its frame: scroll it sideways." : "";
+  find("#graph-words").textContent = `${find("#graph").selectedOptions[0]?.dataset.words ?? ""} ${more}`.trim();
 }
 
 function addLayers() {
@@ -240,7 +247,8 @@ function pickLevel(event, drawing) {
   const heights = PARTS.contours?.heights;
   if (!heights) return;
   const { low, high, top, bottom } = drawing.dataset;
-  const row = event.clientY - drawing.getBoundingClientRect().top;
+  const box = drawing.getBoundingClientRect(); // where there is little room, the drawing is smaller than it was made
+  const row = ((event.clientY - box.top) * drawing.viewBox.baseVal.height) / box.height;
   const height = Number(low) + ((bottom - row) / (bottom - top)) * (high - low);
   const away = heights.map((one) => Math.abs(one - height));
   find("#level").value = away.indexOf(Math.min(...away));
@@ -260,6 +268,7 @@ async function start() {
   addLayers();
   setGraph(state.graph);
   find("#graph").addEventListener("change", (event) => setGraph(event.target.value));
+  addEventListener("resize", sayWhichGraph);
   find("#cut").addEventListener("change", (event) => view?.setCut(event.target.checked));
   all("[data-turn]").forEach((button) => button.addEventListener("click", () => view?.turn(button.dataset.turn)));
   if (PARTS.contours) {

@@ -12,7 +12,7 @@ from .flat_svg import define_marks, draw_svg
 from .page_words import HAPPENINGS, describe_model, describe_verdict, write_key, write_tables
 from .rasters import widest_azimuth
 from .scene import list_parts
-from .templates import fill_template, read_template, write_policy
+from .templates import escape_name, read_template, write_page
 from .verdicts import SYMBOLS
 from .views import fit_view, project_points
 
@@ -86,14 +86,11 @@ def _draw_graphs(model, azimuth):
 
 def _write_html(told, model, glb, drawn, notes):
     """Fill the template."""
-    style, three = read_template("shared.css") + read_template("page.css"), read_template("three.min.js")
     code = "\n".join(map(read_template, ("page.js", "page_view.js", "page_shapes.js", "page_pointer.js")))
     unit = _symbol(told)
     first = choose_graph(model.graphs)
     fields = {
-        "policy": write_policy(style, three, code),
-        "style": style,
-        "name": escape(told.name),
+        "heading": escape_name(told.name),
         "verdict": escape(told.certificate["verdict"].replace("_", " ")),
         "verdict_class": escape(told.certificate["verdict"]),
         "verdict_words": escape(describe_verdict(told.certificate, unit)),
@@ -105,10 +102,9 @@ def _write_html(told, model, glb, drawn, notes):
         "tables": write_tables(model, unit),
         "notes": "".join(f"<li>{escape(text)}</li>" for text in notes),
         "glb": base64.b64encode(zlib.compress(glb, 6)).decode(),
-        "three": three,
-        "code": code,
     }
-    return fill_template(read_template("page.html"), fields)
+    title = f"{escape(told.name)}: {fields['verdict']}"
+    return write_page("page.html", "page.css", title, fields, [read_template("three.min.js"), code])
 
 
 def choose_graph(graphs):

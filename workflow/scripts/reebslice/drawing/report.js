@@ -3,6 +3,7 @@
 
 const DATA = JSON.parse(document.querySelector("#data").textContent);
 const SHOWN = 50; // rows at a time
+const LONG = 150; // letters of a reason, beyond which it is opened by a click
 const find = (selector) => document.querySelector(selector);
 const all = (selector) => [...document.querySelectorAll(selector)];
 const state = { look: null, key: "kind", down: false, page: 0, rows: [] };
@@ -14,6 +15,14 @@ function element(name, text, parent, kind = "") {
   if (kind) made.className = kind;
   parent?.append(made);
   return made;
+}
+
+/** A name as text that may go on in the next line after _, -, / and the like, rather than within a word. */
+function addName(name, parent) {
+  for (const part of name.split(/(?<=[_./-])(?=\w)/)) {
+    if (parent.childNodes.length) element("wbr", "", parent);
+    parent.append(part);
+  }
 }
 
 /** A figure as people read it, with the unit of its model; power 2 is an area, 3 a volume. */
@@ -39,6 +48,7 @@ const COLUMNS = [
     known: (row) => figure.values[row] !== null,
     fill: (cell, row) => {
       cell.className = "number";
+      cell.dataset.label = figure.label;
       cell.textContent = write(figure, row);
     },
   })),
@@ -61,9 +71,10 @@ function fillModel(cell, row) {
     picture.src = DATA.thumbnails[row] === 1 ? own : `data:image/png;base64,${DATA.thumbnails[row]}`;
   }
   const words = element("div", "", box);
-  const name = element(links.length ? "a" : "span", DATA.models[row], words, "name");
+  const name = element(links.length ? "a" : "span", "", words, "name");
+  addName(DATA.models[row], name);
   if (links.length) name.href = links[0][0];
-  element("small", DATA.paths[row], words);
+  addName(DATA.paths[row], element("small", "", words));
   const more = element("small", "", words);
   for (const [to, what] of links) {
     if (more.childNodes.length) more.append(" \u00b7 ");
@@ -78,7 +89,8 @@ function fillKind(cell, row) {
   cell.className = "why";
   element("span", words, cell, `verdict ${kind}`);
   const reason = DATA.reasons[DATA.reason[row]];
-  if (reason) element("p", reason, cell);
+  if (reason.length > LONG) element("span", reason, element("summary", "", element("details", "", cell)));
+  else if (reason) element("p", reason, cell);
 }
 
 // ---------------------------------------------------------------- choosing
@@ -150,6 +162,7 @@ function show() {
   for (const button of all("[data-go]")) {
     const page = state.page + Number(button.dataset.go);
     button.disabled = page < 0 || page * SHOWN >= state.rows.length;
+    button.hidden = state.rows.length <= SHOWN;
   }
 }
 
@@ -237,6 +250,7 @@ function listen() {
     if (go) {
       state.page += Number(go);
       show();
+      find("#count").scrollIntoView({ block: "nearest" });
     }
   });
 }

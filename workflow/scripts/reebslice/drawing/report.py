@@ -9,7 +9,7 @@ from .report_charts import draw_chart
 from .report_figures import list_figures
 from .report_looks import find_looks
 from .report_words import count_models, plain_kind, write_looks, write_verdicts, write_versions
-from .templates import fill_template, read_template, write_policy
+from .templates import read_template, write_page
 from .verdicts import KINDS, SYMBOLS, shorten_numbers, tell_kind
 
 FOLDER = "../models/"  # of the models, from the page
@@ -76,12 +76,9 @@ def make_report(table, files, thumbnails, run):
     )
     names = [row["model"] for row in rows]
     data = _gather_data(table, rows, kinds, figures, looks, files, thumbnails)
-    style, code = read_template("shared.css") + read_template("report.css"), read_template("report.js")
     picked = "" if run.only is None else f" that <code>only={escape(str(run.only))}</code> picks"
     own = f"<p>{count_models(run.own)} of the sheet have some keys of their own.</p>" if run.own else ""
     fields = {
-        "policy": write_policy(style, code, images="data: file: 'self'"),
-        "style": style,
         "title": f"Report of {count_models(len(rows))}",
         "meshes": f"<code>{escape(run.meshes)}</code>{picked}",
         "verdicts": write_verdicts(kinds),
@@ -91,9 +88,9 @@ def make_report(table, files, thumbnails, run):
         "config": escape(run.config),
         "versions": write_versions(run.versions),
         "data": json.dumps(data, separators=(",", ":")).replace("<", "\\u003c"),
-        "code": code,
     }
-    return fill_template(read_template("report.html"), fields)
+    scripts, images = [read_template("report.js")], "data: file: 'self'"
+    return write_page("report.html", "report.css", fields["title"], fields, scripts, images)
 
 
 def _find_link(name, there):

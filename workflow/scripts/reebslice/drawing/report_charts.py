@@ -5,6 +5,7 @@ from html import escape
 import numpy as np
 
 WIDTH, HEIGHT, BASE = 180, 76, 58  # of a chart, and the row of its axis
+GLYPH = 5.6  # width of a digit, pixels
 MOST = 18  # bars over a wide range
 FEW = 12  # different whole numbers that each have a bar
 WIDE = 20.0  # times the smallest, beyond which steps grow with the figures
@@ -30,7 +31,11 @@ def draw_chart(figure, values):
     bins = [own for own in split_values(known) if len(own)]
     most = max(map(len, bins))
     step = WIDTH / len(bins)
-    bars = "".join(_draw_bar(figure, own, k * step, step, (BASE - 14) * len(own) / most) for k, own in enumerate(bins))
+    told = _choose_labels([_shorten(own[0]) for own in bins], step)
+    bars = "".join(
+        _draw_bar(figure, own, (k * step, step, (BASE - 14) * len(own) / most), label)
+        for k, (own, label) in enumerate(zip(bins, told))
+    )
     return (
         f'<figure class="chart" data-figure="{figure.name}"><figcaption>{escape(figure.label)}'
         f"<small>{escape(figure.words)}</small></figcaption>"
@@ -68,14 +73,27 @@ def split_values(values):
     return np.split(values, np.searchsorted(values, edges))
 
 
-def _draw_bar(figure, own, left, step, tall):
-    """A bar with its number above, and its range below where there is room."""
+def _choose_labels(labels, step):
+    """Of labels at equal steps those that have room beside the one before and differ from it, '' for the others."""
+    chosen, end, last = [], -np.inf, ""
+    for k, label in enumerate(labels):
+        middle, half = (k + 0.5) * step, GLYPH * len(label) / 2
+        fits = middle - half > end and label != last
+        chosen.append(label if fits else "")
+        if fits:
+            end, last = middle + half + GLYPH, label
+    return chosen
+
+
+def _draw_bar(figure, own, place, label):
+    """A bar with its number above, and below the label, the least value that it counts; `place`: left, step, tall."""
+    left, step, tall = place
     low, high = (f"{bound:.15g}" for bound in own[[0, -1]])  # figures as they are in the page
     told = low if low == high else f"{low} to {high}"
     models = f"{len(own):,} model{'s' if len(own) != 1 else ''}"
-    middle, shown, number = left + step / 2, _shorten(own[0]), _shorten(len(own))
-    above = number if 5.6 * len(number) < step else ""
-    below = f'<text x="{middle:.1f}" y="{HEIGHT - 5}">{shown}</text>'
+    middle, number = left + step / 2, _shorten(len(own))
+    above = number if GLYPH * len(number) < step else ""
+    below = f'<text x="{middle:.1f}" y="{HEIGHT - 5}">{label}</text>' if label else ""
     return (
         f'<g role="button" tabindex="0" aria-pressed="false" data-figure="{figure.name}" data-low="{low}" '
         f'data-high="{high}" aria-label="{escape(figure.label)} {told}: {models}">'
@@ -84,7 +102,7 @@ def _draw_bar(figure, own, left, step, tall):
         f'<rect class="bar" x="{left + 1:.1f}" y="{BASE - max(tall, 1.5):.1f}" width="{max(step - 2, 1):.1f}" '
         f'height="{max(tall, 1.5):.1f}"/>'
         f'<text x="{middle:.1f}" y="{BASE - max(tall, 1.5) - 3:.1f}">{above}</text>'
-        f"{below if 6 * len(shown) < step else ''}</g>"
+        f"{below}</g>"
     )
 
 

@@ -56,7 +56,7 @@ FIGURES = (
     Figure("similarity_median", "similarity", "Median shape similarity of linked regions, 0 to 1"),
     Figure("area", "area", "Of the surface", 2),
     Figure("volume", "volume", "Of the solid", 3),
-    Figure(SECONDS, "seconds", "Of all stages, when they were computed", shown=True),
+    Figure(SECONDS, "seconds", "Of all stages; of a first run with compiling", shown=True),
     Figure(MEMORY, "memory, MB", "The most that any stage took"),
 )
 

@@ -51,12 +51,15 @@ class Look(NamedTuple):
         Key of :data:`MATTERS`.
     reason : str
         Of the first model; those of the others differ in numbers and names alone.
+    alike : bool
+        Whether they do not differ even in these.
     models : list of int
         Rows of the table, ascending.
     """
 
     matter: str
     reason: str
+    alike: bool
     models: list
 
 
@@ -77,9 +80,13 @@ def find_looks(rows):
     looks = {}
     for k, row in enumerate(rows):
         for matter, reason in _list_matters(row):
-            looks.setdefault((matter, _find_skeleton(row, reason)), Look(matter, reason, [])).models.append(k)
+            looks.setdefault((matter, _find_skeleton(row, reason)), []).append((k, reason))
+    found = []
+    for (matter, _), told in looks.items():
+        models, reasons = zip(*told)
+        found.append(Look(matter, reasons[0], len(set(reasons)) == 1, list(models)))
     order = {matter: place for place, matter in enumerate(MATTERS)}
-    return sorted(looks.values(), key=lambda look: (order[look.matter], -len(look.models), look.models))
+    return sorted(found, key=lambda look: (order[look.matter], -len(look.models), look.models))
 
 
 def _list_matters(row):

@@ -4,6 +4,7 @@ from collections import Counter
 from html import escape
 
 from .report_looks import MATTERS
+from .templates import escape_name
 from .verdicts import KINDS, VERDICTS
 
 FIRST = 8  # models of one look that are named
@@ -77,7 +78,7 @@ def _write_look(number, look, names, links):
     told = ", ".join(_link(names[k], links[k]) for k in look.models[:FIRST])
     more = len(look.models) - FIRST
     told += f" and {more:,} more" if more > 0 else ""
-    first = f" <small>(numbers and names: of {escape(names[look.models[0]])})</small>" if look.models[1:] else ""
+    first = "" if look.alike else f" <small>(numbers and names: of {escape_name(names[look.models[0]])})</small>"
     shown = "it" if len(look.models) == 1 else "them"
     button = f'<button type="button" data-look="{number}">show {shown} in the table</button>'
     return (
@@ -88,7 +89,7 @@ def _write_look(number, look, names, links):
 
 def _link(name, address):
     """The name of a model, linked to what shows most of it."""
-    return f'<a href="{escape(address)}">{escape(name)}</a>' if address else escape(name)
+    return f'<a href="{escape(address)}">{escape_name(name)}</a>' if address else escape_name(name)
 
 
 def write_versions(versions):
