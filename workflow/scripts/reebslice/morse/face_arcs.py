@@ -153,11 +153,11 @@ def _sweep(mesh, graph, into, incident):
     for v in range(n):
         if place < len(graph.nodes) and graph.nodes[place] == v:
             _mark_faces(mesh, into[v], root, label, begin, of_face, v, True)
-            begin[v] = _pass_node(mesh, graph, incident, place, root, label)
+            begin[v] = pass_node(mesh, graph, incident, place, root, label)
             _mark_faces(mesh, into[v], root, label, begin, of_face, v, False)
             place += 1
         else:
-            begin[v] = of_vertex[v] = _arc_at(mesh.faces, root, label, begin, np.int64(into[v, 0]))
+            begin[v] = of_vertex[v] = arc_at(mesh.faces, root, label, begin, np.int64(into[v, 0]))
     for f in range(m):
         middle = min(mesh.faces[f, 1], mesh.faces[f, 2])
         if of_vertex[middle] >= 0:
@@ -166,14 +166,14 @@ def _sweep(mesh, graph, into, incident):
 
 
 @njit(inline="always")
-def _arc_at(faces, root, label, begin, h):
+def arc_at(faces, root, label, begin, h):
     """The arc of the contour that now crosses the upward half-edge h."""
     arc = label[h] if label[h] >= 0 else begin[faces[h // 3, h % 3]]
     return find(root, arc)
 
 
 @njit
-def _pass_node(mesh, graph, incident, place, root, label):
+def pass_node(mesh, graph, incident, place, root, label):
     """Pass a critical point: end its lower arcs, begin its upper ones; return that of what is not labelled."""
     arcs = incident.member[incident.start[place] : incident.start[place + 1]]
     first, second, cut = np.int32(-1), np.int32(-1), graph.nodes[place] + 1
@@ -224,7 +224,7 @@ def _mark_faces(mesh, into, root, label, begin, of_face, v, below):
             if (rises[0] >= rises[1]) == below:
                 edge = 3 * f if faces[f, 1] == high else 3 * f + 2
                 edge = edge if edge % 3 == 0 else twins[edge]
-                of_face[f] = _arc_at(faces, root, label, begin, np.int64(edge))
+                of_face[f] = arc_at(faces, root, label, begin, np.int64(edge))
         h = twins[f * 3 + (h % 3 + 2) % 3]
         if h == start:
             break
