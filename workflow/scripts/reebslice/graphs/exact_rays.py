@@ -72,7 +72,7 @@ class _Plane:
 
     def __init__(self, mesh, v, tilt):
         self.mesh, self.v, self.tilt = mesh, v, tilt
-        self.unfolded = bool(mesh.vertex[v - 1] == mesh.vertex[v] or mesh.vertex[v + 1] == mesh.vertex[v])
+        self.unfolded = bool((mesh.vertex[max(v - 1, 0) : v + 2] == mesh.vertex[v]).sum() > 1)
         below, here = self.height(v - 1), self.height(v)
         self.level = (below + here) / 2 if self.unfolded else here
 

@@ -29,6 +29,7 @@ TURN = 0.8765432101234567, 0.4813349876543211
 # Of the largest coordinate: offsets and distances along a ray, with what a crossing is off its place, err by less.
 ROUNDING = 128 * np.finfo(float).eps
 DONE, DOUBT, ODD = 0, 1, 2
+UNSURE = 2
 
 
 class RayHosts(NamedTuple):
@@ -163,9 +164,8 @@ def _crossed_sides(faces, f, cut):
 
 
 @njit(inline="always")
-def _cross_side(scene, h, v):
+def _cross_side(points, faces, h, v):
     """Where a half-edge crosses the plane through vertex v: x, y."""
-    points, faces = scene.mesh.points, scene.mesh.faces
     one, other = faces[h // 3, h % 3], faces[h // 3, (h % 3 + 1) % 3]
     low, high = min(one, other), max(one, other)
     return cross_at(points[low], points[high], points[v, 2], points[v, 0], points[v, 1])
@@ -179,7 +179,7 @@ def _find_start(scene, v, gate):
     """
     points, faces, twins, vertex = scene.mesh.points, scene.mesh.faces, scene.mesh.twins, scene.mesh.vertex
     x, y = points[v, 0], points[v, 1]
-    if vertex[v - 1] != vertex[v] and vertex[v + 1] != vertex[v]:
+    if vertex[v - 1] != vertex[v] and (v + 1 == len(vertex) or vertex[v + 1] != vertex[v]):
         return x, y, True
     h, away, px, py = np.int64(gate), False, x, y
     while True:
@@ -187,7 +187,7 @@ def _find_start(scene, v, gate):
         if vertex[low] == vertex[v] or vertex[high] == vertex[v]:
             away = False
         else:
-            qx, qy = _cross_side(scene, h, v)
+            qx, qy = _cross_side(points, faces, h, v)
             if away and abs(qx - px) + abs(qy - py) > 1024 * scene.rounding:
                 return 0.5 * (px + qx), 0.5 * (py + qy), True
             away, px, py = True, qx, qy
@@ -221,51 +221,61 @@ def _shoot(scene, state, place, gate, marks, room):
 @njit
 def _cross_faces(scene, state, place, ray, marks, room):
     """Cross faces one by one; the outcome, and how many arcs are met. ray : its start, and 1.0 forward, -1.0 back."""
-    faces, rounding = scene.mesh.faces, scene.rounding
-    (root, label, begin), (x, y, way), (met, crossed) = state, ray, room
-    v, n_met, offset = np.int64(scene.graph.nodes[place]), 0, TURN[0] * y - TURN[1] * x
+    faces, points, offset, body, rounding = scene.mesh.faces, scene.mesh.points, scene.offset, scene.body, scene.rounding
+    arcs, (root, label, begin), (x, y, way), (met, crossed) = scene.graph.arcs, state, ray, room
+    v, n_met = np.int64(scene.graph.nodes[place]), 0
+    aside, margin = TURN[0] * y - TURN[1] * x, 4 * rounding
     for f in crossed:
-        a, b, c = faces[f]
-        if a >= v or max(b, c) < v:
+        a, b, c = faces[f, 0], faces[f, 1], faces[f, 2]
+        if a >= v or max(b, c) < v or body[a] != body[v]:
             continue
-        right, left = offset - 4 * rounding, offset + 4 * rounding
-        one, two, three = scene.offset[a], scene.offset[b], scene.offset[c]
-        if max(one, two, three) < right or min(one, two, three) > left or scene.body[a] != scene.body[v]:
+        one, two, three = offset[a], offset[b], offset[c]
+        if max(one, two, three) < aside - margin or min(one, two, three) > aside + margin:
             continue
         falling, rising = _crossed_sides(faces, np.int64(f), v)
-        px, py = _cross_side(scene, falling, v)
-        qx, qy = _cross_side(scene, rising, v)
-        px, py, qx, qy = way * (px - x), way * (py - y), way * (qx - x), way * (qy - y)
-        # forward along the ray, and aside from it to the left
-        pt, ps, qt, qs = (
-            TURN[0] * px + TURN[1] * py, TURN[0] * py - TURN[1] * px,
-            TURN[0] * qx + TURN[1] * qy, TURN[0] * qy - TURN[1] * qx,
-        )  # fmt: skip
-        if pt < -rounding and qt < -rounding:
+        px, py = _cross_side(points, faces, falling, v)
+        qx, qy = _cross_side(points, faces, rising, v)
+        sign, distance, error = _cross_ray(way * (px - x), way * (py - y), way * (qx - x), way * (qy - y), rounding)
+        if sign == 0:
             continue
-        doubt = abs(ps) <= rounding or abs(qs) <= rounding
-        if not doubt:
-            if (ps > 0) == (qs > 0):
-                continue
-            turn = pt * qs - ps * qt
-            doubt = abs(turn) <= 2 * rounding * (abs(pt) + abs(ps) + abs(qt) + abs(qs))
-            if not doubt and (turn > 0) != (qs > 0):
-                continue  # behind the start
         arc = arc_at(faces, root, label, begin, rising)
-        if scene.graph.arcs[arc, 1] == place:
+        if arcs[arc, 1] == place:
             continue  # a contour of the event's own
-        if doubt:
+        if sign == UNSURE:
             return DOUBT, n_met
-        distance = (pt * qs - ps * qt) / (qs - ps)
-        error = 4 * rounding * (1 + abs(qt - pt) / abs(qs - ps))
         if not marks.met[arc]:
             marks.met[arc], marks.winding[arc], marks.near[arc], marks.far[arc] = True, 0, -np.inf, -np.inf
             met[n_met] = arc
             n_met += 1
-        marks.winding[arc] += 1 if qs > 0 else -1
+        marks.winding[arc] += sign
         marks.near[arc] = max(marks.near[arc], distance - error)
         marks.far[arc] = max(marks.far[arc], distance + error)
     return DONE, n_met
+
+
+@njit
+def _cross_ray(px, py, qx, qy, rounding):
+    """How a segment crosses a ray that starts at the origin: sign, distance, and the most that this errs by.
+
+    1 if it runs to the left, -1 if to the right, 0 if it does not cross the ray, UNSURE where rounding hides it.
+    """
+    # forward along the ray, and aside from it to the left
+    pt, ps, qt, qs = (
+        TURN[0] * px + TURN[1] * py, TURN[0] * py - TURN[1] * px,
+        TURN[0] * qx + TURN[1] * qy, TURN[0] * qy - TURN[1] * qx,
+    )  # fmt: skip
+    if max(pt, qt) < -rounding:
+        return 0, 0.0, 0.0
+    if abs(ps) <= rounding or abs(qs) <= rounding:
+        return UNSURE, 0.0, 0.0
+    if (ps > 0) == (qs > 0):
+        return 0, 0.0, 0.0
+    turn = pt * qs - ps * qt
+    if abs(turn) <= 2 * rounding * (abs(pt) + abs(ps) + abs(qt) + abs(qs)):
+        return UNSURE, 0.0, 0.0
+    if (turn > 0) != (qs > 0):
+        return 0, 0.0, 0.0  # behind the start
+    return (1 if qs > 0 else -1), turn / (qs - ps), 4 * rounding * (1 + abs(qt - pt) / abs(qs - ps))
 
 
 @njit
