@@ -100,6 +100,9 @@ def shoot_rays(mesh, graph, into, inner, wanted, body_of_vertex):
     -------
     RayHosts
     """
+    if not wanted.any():
+        nothing = np.empty(0, np.int64)
+        return RayHosts(np.full(len(wanted), -1, np.int32), False, nothing, np.zeros(1, np.int64), nothing, nothing)
     offset = TURN[0] * mesh.points[:, 1] - TURN[1] * mesh.points[:, 0]
     rounding = ROUNDING * np.abs(mesh.points).max()
     grid = build_grid(mesh.faces, offset, 4 * rounding)

@@ -167,14 +167,47 @@ def _sweep(mesh, graph, into, incident):
 
 @njit(inline="always")
 def arc_at(faces, root, label, begin, h):
-    """The arc of the contour that now crosses the upward half-edge h."""
+    """Find the arc of the contour that crosses a half-edge at the level that a sweep has come to.
+
+    Parameters
+    ----------
+    faces : (m, 3) int32
+        Of the mesh.
+    root, label, begin : (A,), (3 m,) and (n,) int32
+        Where arcs that have ended go on, the arcs of half-edges that a walk has labelled, or -1, and those of all
+        others that begin in a vertex.
+    h : int
+        The half-edge, upward.
+
+    Returns
+    -------
+    int
+    """
     arc = label[h] if label[h] >= 0 else begin[faces[h // 3, h % 3]]
     return find(root, arc)
 
 
 @njit
 def pass_node(mesh, graph, incident, place, root, label):
-    """Pass a critical point: end its lower arcs, begin its upper ones; return that of what is not labelled."""
+    """Pass a critical point in a sweep: end its lower arcs and begin its upper ones.
+
+    Parameters
+    ----------
+    mesh : HeightMesh
+    graph : ReebGraph
+        The mesh's.
+    incident : Groups
+        Arcs at each node.
+    place : int
+        Of the critical point, in `graph.nodes`.
+    root, label : arrays
+        As for :func:`arc_at`. Modified.
+
+    Returns
+    -------
+    int
+        The arc of half-edges that begin here and are not labelled; -1 at a maximum.
+    """
     arcs = incident.member[incident.start[place] : incident.start[place + 1]]
     first, second, cut = np.int32(-1), np.int32(-1), graph.nodes[place] + 1
     for arc in arcs:
