@@ -4,8 +4,9 @@
     PYTHONPATH=workflow/scripts python benchmarks/noisy_volumes.py --graphs [NAME ...]
 
 Writes `SOLIDS` as PLY; the same name and seed give the same bytes. Or measures the exact graphs of these and of
-`SHEETS`: processor seconds of the surface's graph, of the solid's by rays and of the solid's by slices, in turn, medians
-of three on compiled kernels (of what slices refuse, the seconds until then); and the most memory that the first two and the mesh in order of height take.
+`SHEETS`: processor seconds of the surface's graph, of the solid's by rays and of the solid's by slices, in turn,
+medians of three on compiled kernels (of what slices refuse, the seconds until then); and the most memory that the
+first two and the mesh in order of height take.
 """
 
 import itertools
