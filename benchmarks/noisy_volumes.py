@@ -1,16 +1,25 @@
 """Noisy solids of known or unknown genus: scans with any number of critical points, made here.
 
     python benchmarks/noisy_volumes.py FOLDER
+    PYTHONPATH=workflow/scripts python benchmarks/noisy_volumes.py --graphs [NAME ...]
 
-Writes `SOLIDS` as PLY. The same name and seed give the same bytes.
+Writes `SOLIDS` as PLY; the same name and seed give the same bytes. Or measures the exact graphs of these and of
+`SHEETS`: processor seconds of the surface's graph, of the solid's by rays and of the solid's by slices, in turn,
+medians of three on compiled kernels (of what slices refuse, the seconds until then); and the most memory that the
+first two and the mesh in order of height take.
 """
 
 import itertools
+import multiprocessing
+import resource
+import statistics
 import sys
+import time
 from pathlib import Path
 
 import numpy as np
 
+SLOW = 20.0  # seconds: what slices take longer for is measured once
 CORNERS = np.array(list(itertools.product((0, 1), repeat=3)))
 
 
@@ -22,6 +31,70 @@ def main(folder):
         points, faces = make(**arguments)
         write_ply(folder / f"{name}.ply", points, faces)
         print(f"{name}: {len(points):,} vertices, {len(faces):,} faces")
+
+
+def measure_graphs(names):
+    """Print a row for each solid, measured in a process of its own."""
+    print("| solid | faces | critical points | surface, s | solid by rays, s | by slices, s | bytes a face |")
+    print("| --- |" + " ---: |" * 6)
+    for name in names or [*SOLIDS, *SHEETS]:
+        child = multiprocessing.Process(target=_measure, args=(name,))
+        child.start()
+        child.join()
+
+
+def _measure(name):
+    """Print the row of one solid."""
+    from reebslice.errors import TooManyCrossingsError
+    from reebslice.graphs.exact import sliced_solid_graph, solid_reeb_graph
+    from reebslice.morse.height_mesh import height_mesh
+    from reebslice.morse.reeb_graph import surface_reeb_graph
+
+    def timed(make, *arguments):
+        begin = time.process_time()
+        try:
+            return make(*arguments), time.process_time() - begin
+        except TooManyCrossingsError:
+            return None, time.process_time() - begin
+
+    for arguments in (bumpy_torus(60, 30, 0.4, 1), SOLIDS[name] if name in SOLIDS else SHEETS[name]):
+        arrays, before = arguments[0](**arguments[1]) if callable(arguments[0]) else arguments, _peak()
+        mesh = height_mesh(*arrays)
+        body, seconds, grown = np.zeros(len(mesh.points), np.int32), ([], [], []), 0
+        while len(seconds[2]) < 3 and sum(seconds[2]) < SLOW:
+            graph, taken = timed(surface_reeb_graph, mesh)
+            seconds[0].append(taken)
+            (nodes, arcs), taken = timed(solid_reeb_graph, mesh, graph, body)
+            seconds[1].append(taken)
+            grown = grown or _peak() - before
+            found, taken = timed(sliced_solid_graph, mesh, graph, body)
+            seconds[2].append(taken)
+        if found and not (len(found[0]) == len(nodes) and (found[0] == nodes).all() and (found[1] == arcs).all()):
+            print(f"{name}: slices keep pairs of one height, or give another graph")
+    cells = [f"{len(mesh.faces):,}", f"{len(graph.nodes):,}", *(f"{statistics.median(taken):.3f}" for taken in seconds)]
+    print(f"| {name} | " + " | ".join([*cells, f"{grown / len(mesh.faces):.0f}"]) + " |", flush=True)
+
+
+def _peak():
+    """Most memory that this process has held, bytes."""
+    return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * 1024
+
+
+def white_sheet(size, seed):
+    """A square sheet whose two sides have random heights, white noise on a lattice; points (n, 3), faces (m, 3).
+
+    A critical point at every second vertex or so. It does not cross itself.
+    """
+    k = np.arange(size)
+    x, y = np.meshgrid(k, k, indexing="ij")
+    heights = 1 + np.random.default_rng(seed).random((2, size, size))
+    points = np.concatenate([np.stack([x, y, z], axis=-1).reshape(-1, 3) for z in (heights[0], -heights[1])])
+    a = (np.arange(size - 1)[:, None] * size + np.arange(size - 1)).ravel()
+    upper = np.concatenate([np.stack([a, a + size, a + size + 1], axis=1), np.stack([a, a + size + 1, a + 1], axis=1)])
+    rim = np.concatenate([k[:-1] * size, (size - 1) * size + k[:-1], k[:0:-1] * size + size - 1, k[:0:-1]])
+    ahead, down = np.roll(rim, -1), size * size
+    side = np.concatenate([np.stack([rim + down, ahead + down, ahead], 1), np.stack([rim + down, ahead, rim], 1)])
+    return points, np.concatenate([upper, upper[:, ::-1] + down, side])
 
 
 def bumpy_torus(around, across, amplitude, seed):
@@ -156,5 +229,7 @@ SOLIDS = {
     "plate_porous": (noisy_plate, {"size": 80, "white": 1.6, "waves": 1.0, "seed": 5}),
 }
 
+SHEETS = {f"sheet_{2 * size**2:,}": (white_sheet, {"size": size, "seed": 0}) for size in (100, 200, 350)}
+
 if __name__ == "__main__":
-    main(sys.argv[1])
+    measure_graphs(sys.argv[2:]) if sys.argv[1] == "--graphs" else main(sys.argv[1])

@@ -12,6 +12,8 @@ from ..morse.height_mesh import height_mesh_of_bodies
 from ..morse.reeb_graph import critical_persistence, surface_reeb_graph
 from ..slicing.crowding import block_chains
 from ..slicing.refinement import exact_slices
+from .flat_pairs import cancel_pairs, find_flat_pairs
+from .solid_by_rays import solid_graph_by_rays
 
 
 class ExactGraph(NamedTuple):
@@ -63,12 +65,12 @@ def exact_graphs(
 
     Both are exact for any surface that does not cross itself: nothing is
     sampled, and what is decided by coordinates is decided in rational numbers
-    where rounding leaves it open. The solid's graph takes the contours of the
-    fewest levels that cut every arc, and of more only where several events in
-    one part of the solid are still between two levels. Time and memory grow as
-    the mesh and, for the solid, as the contours of those levels: little if the
-    surface is smooth, most of the time if noise makes critical points by the
-    ten thousand.
+    where rounding leaves it open. The solid's graph is made of arcs of the
+    surface's, with one ray for each event of a hole
+    (:mod:`.graphs.solid_by_rays`), so noise that makes critical points by the
+    ten thousand costs little. Where the surface crosses itself and rays find
+    out, the solid's graph takes the contours of the fewest levels that leave no
+    events together; time and memory then grow as these contours.
 
     Parameters
     ----------
@@ -99,8 +101,8 @@ def exact_graphs(
     ReebsliceError
         The rotation or the bodies are none.
     TooManyCrossingsError
-        The solid's graph would need hundreds of millions of points, as of white
-        noise; :func:`surface_reeb_graph` needs none.
+        The surface crosses itself, and the solid's graph would need hundreds of
+        millions of points; :func:`surface_reeb_graph` needs none.
 
     Examples
     --------
@@ -134,9 +136,33 @@ def solid_reeb_graph(mesh, graph, body_of_vertex):
     Returns
     -------
     nodes : (K,) int32
-        Ranks, ascending.
+        Ranks, ascending. Pairs of :mod:`.flat_pairs` are left out.
     arcs : (A, 2) int32
         Places in `nodes`, in lexicographic order.
+    """
+    arcs = solid_graph_by_rays(mesh, graph, body_of_vertex)
+    if arcs is None:
+        return sliced_solid_graph(mesh, graph, body_of_vertex)
+    pairs = find_flat_pairs(mesh.points[graph.nodes, 2], graph)
+    if len(pairs):
+        arcs = cancel_pairs(arcs, len(graph.nodes), pairs)
+    kept, place = np.unique(arcs, return_inverse=True)
+    arcs = place.reshape(-1, 2).astype(np.int32)
+    return graph.nodes[kept], arcs[np.lexsort(arcs.T[::-1])]
+
+
+def sliced_solid_graph(mesh, graph, body_of_vertex):
+    """Do as :func:`solid_reeb_graph` by slices, for surfaces that cross themselves as well.
+
+    Parameters
+    ----------
+    mesh, graph, body_of_vertex
+        As for :func:`solid_reeb_graph`.
+
+    Returns
+    -------
+    nodes, arcs
+        As of :func:`solid_reeb_graph`; but a pair of equal height stays where a level parts it for the sake of others.
     """
     slices = exact_slices(mesh, graph, body_of_vertex)
     node, block = _nodes_of_blocks(slices, critical_persistence(mesh, graph))

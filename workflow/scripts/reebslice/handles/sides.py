@@ -8,53 +8,65 @@ from ..slicing.exact_contours import exact_tilt, locate_corners, turns_clockwise
 
 
 def link_areas(mesh, vertices):
-    """Measure the signed horizontal areas of links, scaled to one height.
+    """Measure the signed horizontal areas of the links of extrema, scaled to one height.
 
     Parameters
     ----------
     mesh : HeightMesh
         Surface of n vertices.
     vertices : (k,) int
-        Ranks.
+        Ranks of extrema.
 
     Returns
     -------
     (k,) float64
-        For an extremum, the area of the contour at an infinitesimal distance from it, up to a positive factor:
-        positive where material is inside that contour.
+        The area of the contour at an infinitesimal distance from each, up to a positive factor, counter-clockwise
+        seen from outside: at a minimum negative, and at a maximum positive, where material is inside the contour.
+        An area that rounding could turn around, as at the rim of a flat, is a tiny one of the right sign.
     """
     wanted = np.full(len(mesh.points), -1, np.int32)
     wanted[vertices] = np.arange(len(vertices), dtype=np.int32)
-    return _link_areas(mesh.points, mesh.faces, wanted, len(vertices))
+    area, size, gate = _link_areas(mesh.points, mesh.faces, wanted, len(vertices))
+    doubtful = np.flatnonzero(~(np.abs(area) > 32 * np.finfo(float).eps * size)).tolist()  # eight roundings a term
+    tilt = exact_tilt(mesh.points) if doubtful else None
+    for k in doubtful:
+        is_minimum = gate[k] % 3 == 0 and mesh.faces[gate[k] // 3, 0] == vertices[k]
+        hole = turns_around_hole(mesh, gate[k], int(vertices[k]) + int(is_minimum), tilt)
+        area[k] = np.finfo(float).tiny * (1 if hole == is_minimum else -1)
+    return area
 
 
 @njit
 def _link_areas(points, faces, wanted, n_wanted):
-    """Kernel of `link_areas`; wanted : (n,) int32, the place of each vertex among those asked for, or -1."""
-    nearest = np.full(n_wanted, np.inf)
+    """Areas, sums of the sizes of their terms, and upward half-edges at the vertices, each (k,).
+
+    wanted : (n,) int32, the place of each vertex among those asked for, or -1. A neighbour at the vertex's own
+    height is infinitely far away: the size is infinite.
+    """
+    nearest, gate = np.full(n_wanted, np.inf), np.empty(n_wanted, np.int64)
     for f in range(faces.shape[0]):
         for k in range(3):
             w = wanted[faces[f, k]]
             if w >= 0:
-                rise = abs(points[faces[f, (k + 1) % 3], 2] - points[faces[f, k], 2])
-                if rise > 0.0:
-                    nearest[w] = min(nearest[w], rise)
-    areas = np.zeros(n_wanted)
+                nearest[w] = min(nearest[w], abs(points[faces[f, (k + 1) % 3], 2] - points[faces[f, k], 2]))
+                gate[w] = 3 * f + max(k - 1, 0)  # from the lowest corner, or to one of the others
+    area, size = np.zeros(n_wanted), np.zeros(n_wanted)
     for f in range(faces.shape[0]):
         for k in range(3):
             w = wanted[faces[f, k]]
             if w < 0:
                 continue
             v, a, b = faces[f, k], faces[f, (k + 1) % 3], faces[f, (k + 2) % 3]
-            # A neighbour at the vertex's own height is a tie: the infinitesimal
-            # tilt leaves its direction as far away as any other can be.
-            ra, rb = abs(points[a, 2] - points[v, 2]), abs(points[b, 2] - points[v, 2])
-            sa = nearest[w] / ra if ra > 0.0 else 1.0e6
-            sb = nearest[w] / rb if rb > 0.0 else 1.0e6
+            if nearest[w] == 0:
+                size[w] = np.inf
+                continue
+            sa = nearest[w] / abs(points[a, 2] - points[v, 2])
+            sb = nearest[w] / abs(points[b, 2] - points[v, 2])
             ax, ay = sa * (points[a, 0] - points[v, 0]), sa * (points[a, 1] - points[v, 1])
             bx, by = sb * (points[b, 0] - points[v, 0]), sb * (points[b, 1] - points[v, 1])
-            areas[w] += 0.5 * (ax * by - ay * bx)
-    return areas
+            area[w] += 0.5 * (ax * by - ay * bx)
+            size[w] += 0.5 * (abs(ax * by) + abs(ay * bx))
+    return area, size, gate
 
 
 def saddle_contours(mesh, saddles):
@@ -83,9 +95,8 @@ def saddle_contours(mesh, saddles):
     tilt = exact_tilt(mesh.points) if doubtful else None
     for side, s, k in doubtful:
         cut = int(saddles[s]) + side
-        low, high = walk_crossings(mesh.faces, mesh.twins, gate[side, s, k], cut)
-        corners = locate_corners(mesh.points, low.tolist(), high.tolist(), cut, tilt)
-        area[side, s, k] = np.finfo(float).tiny * (-1 if turns_clockwise(corners) else 1)
+        hole = turns_around_hole(mesh, gate[side, s, k], cut, tilt)
+        area[side, s, k] = np.finfo(float).tiny * (-1 if hole else 1)
     return area[0], area[1]
 
 
@@ -109,17 +120,53 @@ def _saddle_contours(mesh, wanted, saddles):
         for side in range(2):
             first, second = gate[side, s]
             cut = saddles[s] + side
-            area[side, s, 0], length[side, s, 0], met = _walk_from(mesh, first, second, saddles[s], cut)
+            area[side, s, 0], length[side, s, 0], met = walk_contour(mesh, first, second, saddles[s], cut)
             if not met:
-                area[side, s, 1], length[side, s, 1], met = _walk_from(mesh, second, first, saddles[s], cut)
+                area[side, s, 1], length[side, s, 1], met = walk_contour(mesh, second, first, saddles[s], cut)
     return area, length, gate
 
 
-@njit
-def _walk_from(mesh, start, other, saddle, cut):
-    """Signed area and length of the contour through half-edge `start`; whether it meets `other`.
+def turns_around_hole(mesh, gate, cut, tilt):
+    """Tell in exact numbers whether a contour bounds a hole.
 
-    The level is the saddle's: ranks from `cut` on are above it.
+    Parameters
+    ----------
+    mesh : HeightMesh
+    gate : int
+        An upward half-edge that the contour crosses.
+    cut : int
+        Ranks from `cut` on are above the level.
+    tilt : Fraction
+        What :func:`.exact_contours.exact_tilt` returns.
+
+    Returns
+    -------
+    bool
+    """
+    low, high = walk_crossings(mesh.faces, mesh.twins, gate, cut)
+    return turns_clockwise(locate_corners(mesh.points, low.tolist(), high.tolist(), cut, tilt))
+
+
+@njit
+def walk_contour(mesh, start, other, saddle, cut):
+    """Measure the contour at the height of a vertex.
+
+    Parameters
+    ----------
+    mesh : HeightMesh
+    start, other : int
+        Upward half-edges that the level crosses.
+    saddle : int
+        Rank of a vertex that the plane runs through.
+    cut : int
+        Ranks from `cut` on are above the level: `saddle` or the one after it.
+
+    Returns
+    -------
+    area, length : float
+        Of the contour through `start`, the area signed.
+    met : bool
+        Whether it runs through `other`.
     """
     points, faces, twins = mesh.points, mesh.faces, mesh.twins
     x0, y0, z0 = points[saddle]

@@ -153,11 +153,11 @@ def _sweep(mesh, graph, into, incident):
     for v in range(n):
         if place < len(graph.nodes) and graph.nodes[place] == v:
             _mark_faces(mesh, into[v], root, label, begin, of_face, v, True)
-            begin[v] = _pass_node(mesh, graph, incident, place, root, label)
+            begin[v] = pass_node(mesh, graph, incident, place, root, label)
             _mark_faces(mesh, into[v], root, label, begin, of_face, v, False)
             place += 1
         else:
-            begin[v] = of_vertex[v] = _arc_at(mesh.faces, root, label, begin, np.int64(into[v, 0]))
+            begin[v] = of_vertex[v] = arc_at(mesh.faces, root, label, begin, np.int64(into[v, 0]))
     for f in range(m):
         middle = min(mesh.faces[f, 1], mesh.faces[f, 2])
         if of_vertex[middle] >= 0:
@@ -166,15 +166,48 @@ def _sweep(mesh, graph, into, incident):
 
 
 @njit(inline="always")
-def _arc_at(faces, root, label, begin, h):
-    """The arc of the contour that now crosses the upward half-edge h."""
+def arc_at(faces, root, label, begin, h):
+    """Find the arc of the contour that crosses a half-edge at the level that a sweep has come to.
+
+    Parameters
+    ----------
+    faces : (m, 3) int32
+        Of the mesh.
+    root, label, begin : (A,), (3 m,) and (n,) int32
+        Where arcs that have ended go on, the arcs of half-edges that a walk has labelled, or -1, and those of all
+        others that begin in a vertex.
+    h : int
+        The half-edge, upward.
+
+    Returns
+    -------
+    int
+    """
     arc = label[h] if label[h] >= 0 else begin[faces[h // 3, h % 3]]
     return find(root, arc)
 
 
 @njit
-def _pass_node(mesh, graph, incident, place, root, label):
-    """Pass a critical point: end its lower arcs, begin its upper ones; return that of what is not labelled."""
+def pass_node(mesh, graph, incident, place, root, label):
+    """Pass a critical point in a sweep: end its lower arcs and begin its upper ones.
+
+    Parameters
+    ----------
+    mesh : HeightMesh
+    graph : ReebGraph
+        The mesh's.
+    incident : Groups
+        Arcs at each node.
+    place : int
+        Of the critical point, in `graph.nodes`.
+    root, label : arrays
+        As for :func:`arc_at`. Modified.
+
+    Returns
+    -------
+    int
+        The arc of half-edges that begin here and are not labelled; -1 at a maximum.
+    """
     arcs = incident.member[incident.start[place] : incident.start[place + 1]]
     first, second, cut = np.int32(-1), np.int32(-1), graph.nodes[place] + 1
     for arc in arcs:
@@ -224,7 +257,7 @@ def _mark_faces(mesh, into, root, label, begin, of_face, v, below):
             if (rises[0] >= rises[1]) == below:
                 edge = 3 * f if faces[f, 1] == high else 3 * f + 2
                 edge = edge if edge % 3 == 0 else twins[edge]
-                of_face[f] = _arc_at(faces, root, label, begin, np.int64(edge))
+                of_face[f] = arc_at(faces, root, label, begin, np.int64(edge))
         h = twins[f * 3 + (h % 3 + 2) % 3]
         if h == start:
             break
