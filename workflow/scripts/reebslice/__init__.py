@@ -26,6 +26,8 @@ _HOMES = {
     "Regions": "slicing.regions",
     "SCHEMAS": "schemas",
     "Slices": "slicing.slices",
+    "ValueMesh": "morse.value_mesh",
+    "barycentric_distance": "functions.barycentre",
     "certify": "certification.certificate",
     "compare_directions": "graphs.directions",
     "decompose": "graphs.decomposition",
@@ -33,6 +35,7 @@ _HOMES = {
     "find_islands": "graphs.pockets",
     "find_loops": "graphs.loops",
     "find_pockets": "graphs.pockets",
+    "geodesic_distance": "functions.geodesic",
     "height_mesh": "morse.height_mesh",
     "inspect_surface": "mesh.inspection",
     "label_faces": "morse.face_arcs",
@@ -44,6 +47,7 @@ _HOMES = {
     "slice_surface": "slicing.refinement",
     "surface_reeb_graph": "morse.reeb_graph",
     "uniform_heights": "slicing.levels",
+    "value_mesh": "morse.value_mesh",
     "void_reeb_graph": "graphs.voids",
 }
 

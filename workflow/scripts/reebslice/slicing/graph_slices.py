@@ -87,12 +87,31 @@ def _cross_arcs(mesh, graph, levels):
     lowest, end = (np.searchsorted(levels.below, ends[:, k], side="right") for k in (0, 1))
     offset = np.concatenate([[0], np.cumsum(end - lowest)])
     level = (np.arange(offset[-1]) + np.repeat(lowest - offset[:-1], end - lowest)).astype(np.int32)
-    return offset, level, _climb(mesh.faces, mesh.twins, levels.below, graph.gates, offset, level)
+    return offset, level, climb(mesh.faces, mesh.twins, levels.below, graph.gates, offset, level)
 
 
 @njit
-def _climb(faces, twins, below, gates, offset, level):
-    """Go up from each gate: an upward half-edge across every level that is asked for."""
+def climb(faces, twins, below, gates, offset, level):
+    """Go up from the gate of each arc to the levels that cross it.
+
+    Parameters
+    ----------
+    faces, twins : arrays
+        Of the mesh.
+    below : (K,) int
+        Vertices below each level.
+    gates : (A,) int32
+        Of the graph.
+    offset : (A + 1,) int
+        Arc a asks for ``level[offset[a]:offset[a + 1]]``.
+    level : (L,) int
+        Ascending for each arc.
+
+    Returns
+    -------
+    (L,) int32
+        An upward half-edge that crosses each level, on the contour of its arc.
+    """
     crossing = np.empty(len(level), np.int32)
     for a in range(len(gates)):
         h = gates[a]
