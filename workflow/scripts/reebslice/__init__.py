@@ -15,6 +15,7 @@ __version__ = "0.1.0"
 # Exported name: the module that has it. `__init__.pyi` says the same to type checkers.
 _HOMES = {
     "ArcBodies": "graphs.decomposition",
+    "Centrelines": "graphs.centrelines",
     "Contours": "slicing.contours",
     "Directions": "graphs.directions",
     "ExactGraph": "graphs.exact",
@@ -32,6 +33,7 @@ _HOMES = {
     "compare_directions": "graphs.directions",
     "decompose": "graphs.decomposition",
     "exact_graphs": "graphs.exact",
+    "find_centrelines": "graphs.centrelines",
     "find_islands": "graphs.pockets",
     "find_loops": "graphs.loops",
     "find_pockets": "graphs.pockets",

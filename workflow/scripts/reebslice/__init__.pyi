@@ -5,6 +5,8 @@ from .formats.meshes import read_mesh as read_mesh
 from .functions.barycentre import barycentric_distance as barycentric_distance
 from .functions.geodesic import geodesic_distance as geodesic_distance
 from .graphs.bodies import pocket_bodies as pocket_bodies
+from .graphs.centrelines import Centrelines as Centrelines
+from .graphs.centrelines import find_centrelines as find_centrelines
 from .graphs.decomposition import ArcBodies as ArcBodies
 from .graphs.decomposition import decompose as decompose
 from .graphs.directions import Directions as Directions

@@ -45,6 +45,18 @@ class Branches:
             self.arcs[min(self.at[node])] |= self.arcs.pop(short)
             self.join(node)
 
+    def ends_at(self, branch, node):
+        """The ends, 0 and -1, that a branch has at a node."""
+        return [end for end in (0, -1) if self.chains[branch][end] == node]
+
+    def way(self, branch, end):
+        """The points of a branch from one end, 0 or -1, on."""
+        return self.chains[branch] if end == 0 else self.chains[branch][::-1]
+
+    def set_way(self, branch, end, way):
+        """Replace the points of a branch by others, told from one end on; nodes are left to the caller."""
+        self.chains[branch] = way if end == 0 else way[::-1]
+
     def _is_leaf(self, branch):
         """Whether one end is free and the other one has branches besides."""
         degrees = sorted(len(self.at[self.chains[branch][end]]) for end in (0, -1))

@@ -22,6 +22,7 @@ from ..morse.reeb_graph import surface_reeb_graph
 from ..morse.value_mesh import value_mesh
 from ..slicing.levels import make_levels, uniform_heights
 from ..slicing.rings import measure_rings
+from .branch_points import move_branch_points, trim_end
 from .branches import Branches, path_lengths
 
 
@@ -174,27 +175,16 @@ def _gather(found, spots, surface, area, limit):
     used = np.unique(np.concatenate([np.asarray(chain) for chain in found.chains.values()]))
     radius = np.zeros(len(spots["points"]))
     radius[used] = distance_to_surface(spots["points"][used], points[corners], np.searchsorted(corners, faces))
-    chains = [_trim_ends(chain, found, spots["points"], limit * radius) for chain in found.chains.values()]
+    move_branch_points(found, spots["points"], limit * radius)
+    chains = [
+        trim_end(chain, [len(found.at[chain[end]]) == 1 for end in (0, -1)], spots["points"], limit * radius)
+        for chain in found.chains.values()
+    ]
     member = np.concatenate([np.asarray(chain) for chain in chains])
     used = np.unique(member)
     branches = Groups(np.cumsum([0, *map(len, chains)]), np.searchsorted(used, member))
     own = np.array([area[list(found.arcs[branch])].sum() for branch in found.chains])
     return Centrelines(spots["points"][used], spots["value"][used], radius[used], spots["section"][used], branches, own)
-
-
-def _trim_ends(chain, found, points, reach):
-    """A branch from the last centre on that reaches all of the path to its free end; whole where little is left."""
-    cuts = [0, 0]
-    for side, way in ((0, chain), (1, chain[::-1])):
-        if len(found.at[way[0]]) == 1:
-            within = [
-                k
-                for k in range(1, len(way) - 1)
-                if (np.linalg.norm(points[way[:k]] - points[way[k]], axis=1) <= reach[way[k]]).all()
-            ]
-            cuts[side] = within[-1] if within else 0
-    rest = chain[cuts[0] : len(chain) - cuts[1]]
-    return rest if len(rest) > 1 else chain
 
 
 def branch_figures(lines):
