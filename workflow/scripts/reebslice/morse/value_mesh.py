@@ -47,7 +47,8 @@ def value_mesh(values: ArrayLike, points: Any, faces: ArrayLike | None = None) -
     ValueMesh
         What :func:`.reeb_graph.surface_reeb_graph` takes. Equal values are told apart as vertices are by height: by
         z, then x, then y, then the id (simulation of simplicity), so a flat is monotone in this order, and the z of
-        the points as values make the same order as the height.
+        the points as values make the same order as the height. Nothing but the order counts, except where a multiple
+        saddle may come apart in several ways.
 
     Raises
     ------
