@@ -47,6 +47,12 @@ def geodesic_distance(points: Any, faces: ArrayLike | None = None) -> np.ndarray
 
     N. Sharp and K. Crane, A Laplacian for nonmanifold triangle meshes, Computer Graphics Forum 39 (2020),
     doi:10.1111/cgf.14069
+
+    Examples
+    --------
+    >>> points = np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 5]])
+    >>> int(geodesic_distance(points, [[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]]).argmax())
+    3
     """
     surface = canonical_surface(points, faces)
     shell = _find_shells(surface.faces, len(surface.points))

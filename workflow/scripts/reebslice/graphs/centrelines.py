@@ -87,6 +87,13 @@ def find_centrelines(
         As of `height_mesh`, of `geodesic_distance`, of :func:`.value_mesh`; or a number is out of range.
     TooManyCrossingsError
         The distance is too small.
+
+    Examples
+    --------
+    >>> points = np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 5]])
+    >>> lines = find_centrelines(points, [[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]], values=points[:, 2])
+    >>> len(lines.branches.start) - 1
+    1
     """
     points, faces = take_mesh(points, faces)
     values = geodesic_distance(points, faces) if values is None else values
