@@ -22,7 +22,8 @@ sys.path.insert(0, str(ROOT / "workflow" / "scripts"))
 from tubes import Tube, make_knot, make_tree
 
 HEAD = (
-    "| model | faces | program | centres off, mean / 95 % | missed, 95 % | radius off, mean | loops | parts | seconds |\n"
+    "| model | faces | program | centres off, mean / 95 % | missed, 95 % | radius off, mean |"
+    " loops | parts | seconds |\n"
     "| --- | ---: | --- | ---: | ---: | ---: | ---: | ---: | ---: |"
 )
 

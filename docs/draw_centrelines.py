@@ -29,7 +29,8 @@ def read_vessel(path):
 
 if __name__ == "__main__":
     models = {"knot": make_knot()[:2], "tree with a loop": make_tree()[:2]}
-    models |= {"vessel": read_vessel(path) for path in sys.argv[1:2]}
+    if len(sys.argv) > 1:
+        models["vessel"] = read_vessel(sys.argv[1])
     pictures = [
         draw_centrelines(name, points, faces, find_centrelines(points, faces), OPTIONS)
         for name, (points, faces) in models.items()

@@ -93,7 +93,10 @@ def test_every_key_is_described_in_schema_and_readme():
         ({"meshes": ""}, "meshes is '': must not be empty"),
         ({"pockets": {"find": False, "cut": True}}, "pockets.cut is true, but pockets.find is false"),
         ({"loops": {"find": False, "draw": True}}, "loops.draw is true, but loops.find is false"),
-        ({"functions": ["geodesics"]}, "functions[0] is 'geodesics': must be geodesic, barycentre, or file: and a name"),
+        (
+            {"functions": ["geodesics"]},
+            "functions[0] is 'geodesics': must be geodesic, barycentre, or file: and a name",
+        ),
     ],
 )
 def test_each_fault_is_named(sections, sentence):

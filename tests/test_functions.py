@@ -3,21 +3,20 @@
 import json
 from dataclasses import replace
 from pathlib import Path
-from xml.etree import ElementTree
 
 import networkx as nx
 import numpy as np
 import pyarrow as pa
 import pyarrow.parquet as pq
 import pytest
+import yaml
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from scipy.spatial import cKDTree
 
 import graph_functions
+import inspect_mesh
 import pipeline
 import solids
-import trace_centrelines
 from corpus.carried_values import describe_values
 from corpus.configuration import check_config
 from corpus.layout import chosen_stages
@@ -25,7 +24,6 @@ from corpus.stages import Rejected
 from corpus.storage import read_table
 from reebslice import (
     barycentric_distance,
-    find_centrelines,
     geodesic_distance,
     height_mesh,
     surface_reeb_graph,
@@ -34,10 +32,7 @@ from reebslice import (
 from reebslice.certification.functions import certify_function
 from reebslice.errors import MeshFormatError, ReebsliceError
 from reebslice.formats.vertex_values import read_vertex_values
-from reebslice.graphs.centreline_files import centreline_tree, count_centrelines
-from reebslice.graphs.centrelines import branch_figures
 from reebslice.graphs.function_graphs import graph_function
-from reebslice.mesh.surface_distances import distance_to_surface
 
 SHAPES = {
     "torus": solids.torus(),
@@ -48,7 +43,6 @@ SHAPES = {
     "rings": solids.linked_rings(),
 }
 GENUS = {"torus": 1, "knot": 1, "plate": 3, "monkey": 0, "shells": 0, "rings": 2}
-MESHES = Path(__file__).parents[2] / "shared" / "meshes"
 
 
 def certify(solid, values):
@@ -83,7 +77,7 @@ def test_any_values_have_a_graph_with_a_loop_per_genus_that_is_certified(name, s
 @settings(deadline=None, max_examples=25, derandomize=True)
 @given(st.sampled_from(["torus", "plate", "rings"]), st.integers(0, 1000))
 def test_graphs_follow_any_renaming_of_values_and_of_vertices(name, seed):
-    """f and 4 f have one graph, exp(f) one that differs at multiple saddles alone, -f as many loops; order is nothing."""
+    """4 f has the graph of f, exp(f) but for multiple saddles, -f as many loops, whatever the order of vertices."""
     solid, random = SHAPES[name], np.random.default_rng(seed)
     values = random.normal(size=len(solid.points))
     graph = surface_reeb_graph(value_mesh(values, solid.points, solid.faces))
@@ -174,7 +168,9 @@ def test_points_in_no_face_need_no_value():
         np.array_equal(one, other)
         for one, other in zip(graph, surface_reeb_graph(value_mesh(values[:-1], solid.points, solid.faces)))
     )
-    assert np.isnan(geodesic_distance(points, solid.faces)[-1]) and np.isnan(barycentric_distance(points, solid.faces)[-1])
+    assert np.isnan(geodesic_distance(points, solid.faces)[-1]) and np.isnan(
+        barycentric_distance(points, solid.faces)[-1]
+    )
 
 
 # Functions
@@ -214,13 +210,13 @@ def test_geodesic_distance_on_a_long_bar_is_that_of_its_unfolding():
     solid = solids.subdivide(solids.box(10, 1, 1), 4)
     values = geodesic_distance(solid.points, solid.faces)
     tip = solid.points[values.argmin()]
-    assert abs(tip[0]) == 5 and np.abs(tip[1:]).max() < 0.1  # near the middle of an end, farther from a corner than corners
+    assert (
+        abs(tip[0]) == 5 and np.abs(tip[1:]).max() < 0.1
+    )  # near the middle of an end, farther from a corner than corners
     along, exact = np.abs(solid.points[:, 0] - tip[0]), np.full(len(values), np.inf)
     for k, other in ((1, 2), (2, 1)):
         on_side = np.isclose(np.abs(solid.points[:, k]), 0.5)
-        flat = np.hypot(
-            along + np.abs(solid.points[:, k] - tip[k]), solid.points[:, other] - tip[other]
-        )
+        flat = np.hypot(along + np.abs(solid.points[:, k] - tip[k]), solid.points[:, other] - tip[other])
         exact[on_side] = np.minimum(exact, flat)[on_side]
     sides = np.isfinite(exact) & (along < 9.9)
     assert np.abs(values - exact)[sides].max() < 0.03 * exact[sides].max()
@@ -271,108 +267,31 @@ def test_values_that_no_vertex_can_have_are_refused(tmp_path):
         read_vertex_values(tmp_path / "seam.ply", "heat", np.vstack([solid.points[1:], [[0.1, 0.2, 0.3]]]))
 
 
-# Centrelines
-
-
-def curve_of_knot(t):
-    return np.stack([np.sin(t) + 2 * np.sin(2 * t), np.cos(t) - 2 * np.cos(2 * t), -np.sin(3 * t)], axis=1)
-
-
-def test_the_centreline_of_a_knotted_tube_is_its_curve():
-    solid = solids.trefoil(around=240, across=24)
-    lines = find_centrelines(solid.points, solid.faces)
-    assert count_centrelines(lines) | {"length": 0} == {
-        "branches": 1, "length": 0, "ends": 0, "branch_points": 0, "parts": 1, "loops": 1,
-    }  # fmt: skip
-    curve = curve_of_knot(np.linspace(0, 2 * np.pi, 20000))
-    off = cKDTree(curve).query(lines.points)[0] / 0.4
-    assert off.mean() < 0.06 and off.max() < 0.3
-    length = np.linalg.norm(np.diff(curve, axis=0), axis=1).sum()
-    figures = branch_figures(lines)
-    assert figures["length"] == pytest.approx([length], rel=0.03)
-    assert figures["mean_radius"] == pytest.approx([0.4], rel=0.1)
-    assert figures["volume"] == pytest.approx([np.pi * 0.16 * length], rel=0.05)
-    assert np.isnan(figures["tortuosity"]).all()
-
-
-def test_a_straight_bar_has_a_straight_line():
-    solid = solids.subdivide(solids.box(10, 1, 1), 4)
-    lines = find_centrelines(solid.points, solid.faces)
-    assert len(lines.branches.start) == 2
-    assert np.abs(lines.points[:, 1:] - solid.points[:, 1:].mean(axis=0)).max() < 0.1
-    assert branch_figures(lines)["tortuosity"] == pytest.approx([1], abs=0.01)
-    assert lines.section == pytest.approx(np.ones(len(lines.section)), rel=0.05)
-    assert lines.area.sum() == pytest.approx(42)
-
-
-@pytest.mark.parametrize("name", SHAPES)
-@pytest.mark.parametrize("prune", [0.0, 1.5, 100.0])
-def test_loops_and_parts_are_kept_whatever_is_pruned(name, prune):
-    solid = SHAPES[name]
-    lines = find_centrelines(solid.points, solid.faces, prune=prune)
-    counts = count_centrelines(lines)
-    assert counts["loops"] == GENUS[name] and counts["parts"] == solids.connected_vertices(solid).max() + 1
-    a, b, c = (solid.points[solid.faces[:, k]] for k in range(3))
-    assert lines.area.sum() == pytest.approx(np.linalg.norm(np.cross(b - a, c - a), axis=1).sum() / 2)
-    swc, cuts = centreline_tree(lines, {})
-    rows = np.array([line.split() for line in swc.splitlines() if not line.startswith("#")], float)
-    assert len(rows) == len(lines.points) and (rows[:, 6] < rows[:, 0]).all()
-    assert (rows[:, 6] == -1).sum() == counts["parts"] and len(cuts) == counts["loops"]
-    assert all(len(set(cut["numbers"])) == 2 for cut in cuts)
-
-
-@pytest.mark.parametrize("name, genus", [("fertility_25k.obj", 4), ("femur_g2.off", 2), ("octopus_33k.obj", 0)])
-def test_real_meshes_keep_their_loops(name, genus):
-    trimesh = pytest.importorskip("trimesh")
-    if not (MESHES / name).is_file():
-        pytest.skip("needs the meshes of the project's shared folder")
-    mesh = trimesh.load_mesh(MESHES / name)
-    mesh.merge_vertices()
-    points, faces = np.array(mesh.vertices), np.array(mesh.faces)
-    faces = faces if mesh.volume > 0 else faces[:, ::-1]
-    values = geodesic_distance(points, faces)
-    nodes, arcs = graph_function("geodesic", values, points, faces)
-    assert certify_function(points, faces, values, nodes, arcs)["verdict"] == "exact"
-    assert count_centrelines(find_centrelines(points, faces, values=values))["loops"] == genus
-
-
-def test_a_constant_function_has_no_centrelines():
-    solid = solids.torus()
-    with pytest.raises(ReebsliceError, match="the function is constant"):
-        find_centrelines(solid.points, solid.faces, values=np.ones(len(solid.points)))
-
-
-def test_distance_to_a_surface_is_that_to_its_nearest_point():
-    """Inside and outside a box of few large and many small faces: the distance to a box is known."""
-    solid = solids.unite(solids.box(4, 4, 4), solids.move(solids.icosphere(2, 0.2), [9.0, 0, 0]))
-    spots = np.random.default_rng(1).uniform(-4, 4, (200, 3))
-    outside = np.linalg.norm(np.maximum(np.abs(spots) - 2, 0), axis=1)
-    inside = np.maximum(2 - np.abs(spots).max(axis=1), 0)
-    expected = np.minimum(outside + inside, np.linalg.norm(spots - [9, 0, 0], axis=1) - 0.2)
-    assert distance_to_surface(spots, solid.points, solid.faces) == pytest.approx(expected, abs=1e-9)
-
-
 # Stages
 
 
 def test_stages_are_off_by_default_and_on_by_their_keys():
-    schema = pipeline.importlib.import_module("yaml").safe_load(
-        (Path(__file__).parents[1] / "workflow" / "schemas" / "config.schema.yaml").read_text()
-    )
+    schema = yaml.safe_load((Path(__file__).parents[1] / "workflow/schemas/config.schema.yaml").read_text())
     stages = {"graph_functions", "trace_centrelines"}
     assert not stages & set(chosen_stages(check_config({}, schema)))
     config = check_config({"functions": ["geodesic"], "centrelines": {"find": True}}, schema)
     assert stages <= set(chosen_stages(config))
 
 
+def write_knot(folder):
+    """Leave a knotted tube with values in a folder, inspected."""
+    solid = solids.trefoil(around=60, across=8)
+    folder.mkdir(exist_ok=True)
+    write_ply(folder / "knot.ply", solid, np.random.default_rng(1).normal(size=len(solid.points)))
+    options = pipeline.OPTIONS["inspect"] | {"overlaps": "keep", "unit": None}
+    inspect_mesh.main(folder / "knot.ply", folder, options)
+
+
 @pytest.fixture(scope="module")
 def knot(tmp_path_factory):
-    """The folder of a knotted tube with values beside it, inspected."""
-    folder, solid = tmp_path_factory.mktemp("knot"), solids.trefoil(around=60, across=8)
-    values = np.random.default_rng(1).normal(size=len(solid.points))
-    write_ply(folder / "knot.ply", solid, values)
-    module = pipeline.importlib.import_module("inspect_mesh")
-    module.main(folder / "knot.ply", folder, pipeline.OPTIONS["inspect"] | {"overlaps": "keep", "unit": None})
+    """The folder of a knotted tube with values, inspected."""
+    folder = tmp_path_factory.mktemp("knot")
+    write_knot(folder)
     return folder
 
 
@@ -399,21 +318,3 @@ def test_graphs_of_functions_are_written_with_their_certificates(knot, tmp_path)
 def test_of_a_function_that_cannot_be_had_the_sentence_is_told(knot, tmp_path):
     with pytest.raises(Rejected, match="no graph of the function file:cold: .* no property cold"):
         graph_functions.main(knot, tmp_path, {"functions": ["file:cold"], **describe_values(knot / "knot.ply")})
-
-
-def test_centrelines_are_written_for_other_programs(knot, tmp_path):
-    trace_centrelines.main(knot, tmp_path, {"distance": 0.005, "prune": 1.5})
-    points = read_table(tmp_path / "centreline_points.parquet", "centreline_points")
-    (branch,) = read_table(tmp_path / "branches.parquet", "branches").to_pylist()
-    assert branch["source"] == branch["target"] and branch["tortuosity"] is None
-    assert len(branch["points"]) == len(branch["distance"]) == len(branch["volumes"]) == len(points) + 1
-    assert branch["distance"][-1] == branch["length"] and branch["volumes"][-1] == branch["volume"]
-    counts = json.loads((tmp_path / "centrelines.json").read_text())
-    assert counts["centrelines"]["loops"] == 1 and len(counts["cuts"]) == 1
-    names = {part.get("Name") for part in ElementTree.parse(tmp_path / "centrelines.vtp").getroot().iter("DataArray")}
-    assert {"MaximumInscribedSphereRadius", "section", "length", "mean_radius"} <= names
-    again = tmp_path / "again"
-    again.mkdir()
-    trace_centrelines.main(knot, again, {"distance": 0.005, "prune": 1.5})
-    for path in again.iterdir():
-        assert path.read_bytes() == (tmp_path / path.name).read_bytes()

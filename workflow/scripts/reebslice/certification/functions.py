@@ -1,9 +1,9 @@
 """Certificate of the Reeb graph of a function on the surface, counted again from the mesh and the values.
 
 The order of vertices, their indices, shells, Euler characteristics, the pairs of components, and, at the fewest levels
-that cross all arcs, the pieces of surface and how contours link them. Where all that agrees, the graph is the Reeb graph
-of the function: between such levels every piece of the surface has one critical point at most, so its own graph is an
-end, a fork or a plain arc, and these are glued along the same contours as those of the graph.
+that cross all arcs, the pieces of surface and how contours link them. Where all that agrees, the graph is the Reeb
+graph of the function: between such levels every piece of the surface has one critical point at most, so its own graph
+is an end, a fork or a plain arc, and these are glued along the same contours as those of the graph.
 """
 
 from collections import Counter
@@ -44,7 +44,7 @@ def certify_function(points, faces, values, nodes, arcs):
     rank[np.lexsort((points[:, 1], points[:, 0], points[:, 2], values))] = np.arange(len(points))
     ordered = np.sort(rank[faces], axis=1)
     at = rank[nodes["vertex"]]
-    ends = np.column_stack([nodes_of for nodes_of in (arcs["source"], arcs["target"])]).astype(np.int64)
+    ends = np.column_stack([arcs["source"], arcs["target"]]).astype(np.int64)
     ledger.rows("nodes.value", nodes["value"] == values[nodes["vertex"]], "the value at the vertex")
     ledger.rows("nodes.order", np.diff(at) >= 0, "not below the node before")
     ledger.rows("arcs.monotone", ends[:, 0] < ends[:, 1], "from the lower to the upper node")

@@ -223,7 +223,9 @@ def _read_elements(data, header, also=()):
     found = {}
     last = max((k for k, one in enumerate(header.elements) if one.name in WANTED and one.count), default=-1)
     for element in header.elements[: last + 1]:
-        names = (*"xyz", *also) if element.name == "vertex" else (_find_list(element),) if element.name in WANTED else ()
+        names = (
+            (*"xyz", *also) if element.name == "vertex" else (_find_list(element),) if element.name in WANTED else ()
+        )
         found[element.name], at = read(body, at, element, names if element.count else (), header.order)
     found.setdefault("vertex", [(np.zeros(0), None)] * 3)
     return found

@@ -50,6 +50,8 @@ def barycentric_distance(points: Any, faces: ArrayLike | None = None) -> np.ndar
     a, b, c = ((surface.points - apex)[surface.faces[:, k]] for k in range(3))
     sixfold = np.einsum("ij,ij->i", a, np.cross(b, c))
     if not sixfold.sum() > 0:
-        raise NotASolidError("The surface encloses no volume, so it has no centre of mass: give the surface of a solid.")
+        raise NotASolidError(
+            "The surface encloses no volume, so it has no centre of mass: give the surface of a solid."
+        )
     centre = apex + (sixfold @ (a + b + c)) / (4 * sixfold.sum())
     return surface.spread(np.linalg.norm(surface.points - centre, axis=1))

@@ -19,18 +19,18 @@ class CanonicalSurface(NamedTuple):
     faces : (m, 3) int32
     vertex : (n,) int
         The row of each vertex in the arrays that were given.
-    count : int
+    given : int
         Rows of points there.
     """
 
     points: np.ndarray
     faces: np.ndarray
     vertex: np.ndarray
-    count: int
+    given: int
 
     def spread(self, values):
-        """Values of the points that were given, (count,) float64, from those of the vertices; NaN in no face."""
-        out = np.full(self.count, np.nan)
+        """Values of the points that were given, (given,) float64, from those of the vertices; NaN in no face."""
+        out = np.full(self.given, np.nan)
         out[self.vertex] = values
         return out
 

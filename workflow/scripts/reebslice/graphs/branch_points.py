@@ -48,7 +48,9 @@ def _move(found, node, ways, best, points, reach):
         if (branch, end) == (branch_of_it, end_of_it):
             rest = way[way.index(centre) + 1 :]
         else:
-            outside = (k for k in range(1, half) if not _are_within(points[way[k]][None], points[centre], reach[centre]))
+            outside = (
+                k for k in range(1, half) if not _are_within(points[way[k]][None], points[centre], reach[centre])
+            )
             rest = way[next(outside, half) :]
         found.set_way(branch, end, [centre, *rest])
     found.at[centre] = found.at.pop(node)

@@ -25,7 +25,11 @@ def centreline_tables(lines):
     x, y, z = lines.points.T
     points = {
         "point": np.arange(len(lines.points)),
-        **{"x": x, "y": y, "z": z, "value": lines.value, "radius": lines.radius},
+        "x": x,
+        "y": y,
+        "z": z,
+        "value": lines.value,
+        "radius": lines.radius,
         "section": _without_nan(lines.section),
     }
     figures, paths = branch_figures(lines), _list_paths(lines)

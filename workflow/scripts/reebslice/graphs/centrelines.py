@@ -232,8 +232,19 @@ def branch_figures(lines):
 
 
 def cone_volumes(lines, ids):
-    """Volume along a path up to each of its points, (n,) float64: cones between sections, which the nearest one
-    stands for at a node where branches meet."""
+    """Sum the volume along a path.
+
+    Parameters
+    ----------
+    lines : Centrelines
+    ids : (n,) int
+        Points of the path.
+
+    Returns
+    -------
+    (n,) float64
+        Volume up to each point, of cones between sections; where a section is not known, those around stand for it.
+    """
     length, section = path_lengths(lines.points[ids]), lines.section[ids]
     known = np.flatnonzero(~np.isnan(section))
     if len(known) < len(section):

@@ -52,9 +52,7 @@ def _shorten(best, spots, corners, near):
 def _distance(p, a, b, c):
     """Distance of a point from a triangle."""
     ab, ac = b - a, c - a
-    normal = np.array(
-        [ab[1] * ac[2] - ab[2] * ac[1], ab[2] * ac[0] - ab[0] * ac[2], ab[0] * ac[1] - ab[1] * ac[0]]
-    )
+    normal = np.array([ab[1] * ac[2] - ab[2] * ac[1], ab[2] * ac[0] - ab[0] * ac[2], ab[0] * ac[1] - ab[1] * ac[0]])
     size = (normal * normal).sum()
     if size > 0:
         ap = p - a
@@ -69,9 +67,7 @@ def _distance(p, a, b, c):
 @njit
 def _triple(u, v, n):
     """The determinant of three vectors."""
-    return (
-        (u[1] * v[2] - u[2] * v[1]) * n[0] + (u[2] * v[0] - u[0] * v[2]) * n[1] + (u[0] * v[1] - u[1] * v[0]) * n[2]
-    )
+    return (u[1] * v[2] - u[2] * v[1]) * n[0] + (u[2] * v[0] - u[0] * v[2]) * n[1] + (u[0] * v[1] - u[1] * v[0]) * n[2]
 
 
 @njit

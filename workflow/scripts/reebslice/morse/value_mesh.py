@@ -67,13 +67,13 @@ def value_mesh(values: ArrayLike, points: Any, faces: ArrayLike | None = None) -
     """
     points, faces = take_mesh(points, faces)
     used = find_used(len(points), faces)
-    values = _take_values(values, len(points), used)
+    numbers = _take_values(values, len(points), used)
     if len(used) < len(points):
-        mesh = value_mesh(values[used], points[used], np.searchsorted(used, faces))
+        mesh = value_mesh(numbers[used], points[used], np.searchsorted(used, faces))
         return mesh._replace(vertex=used[mesh.vertex].astype(np.int32))
     placed = tilt_points(points, np.eye(3))
     vertex = height_order(placed)
-    vertex = vertex[np.argsort(values[vertex], kind="stable")]
+    vertex = vertex[np.argsort(numbers[vertex], kind="stable")]
     rank = np.empty(len(vertex), np.int32)
     rank[vertex] = np.arange(len(vertex), dtype=np.int32)
     faces_of_ranks = canonical_faces(faces, rank)
@@ -83,7 +83,7 @@ def value_mesh(values: ArrayLike, points: Any, faces: ArrayLike | None = None) -
         raise explain_open(points, faces) from None
     placed = placed[vertex]
     check_fans(placed, faces_of_ranks, twins)
-    lifted = np.column_stack([placed[:, :2], values[vertex]])
+    lifted = np.column_stack([placed[:, :2], numbers[vertex]])
     return ValueMesh(*unfold_saddles(HeightMesh(lifted, faces_of_ranks, twins, vertex)))
 
 
@@ -92,7 +92,9 @@ def _take_values(values, count, used):
     try:
         taken = np.asarray(values)
     except ValueError:
-        raise ReebsliceError(f"values has rows of unequal length: give one number for each of {count} points.") from None
+        raise ReebsliceError(
+            f"values has rows of unequal length: give one number for each of {count} points."
+        ) from None
     if taken.ndim != 1 or len(taken) != count:
         raise ReebsliceError(
             f"values has the shape {taken.shape}, but there are {count} points: give one number for each, shape"
@@ -104,7 +106,7 @@ def _take_values(values, count, used):
     bad = used[~np.isfinite(taken[used])]
     if len(bad):
         raise ReebsliceError(
-            f"{len(bad)} values are not finite, the first is values[{bad[0]}] = {taken[bad[0]]}: give a number for every"
-            " point of a face; the order of vertices with none would be a guess."
+            f"{len(bad)} values are not finite, the first is values[{bad[0]}] = {taken[bad[0]]}: give a number for"
+            " every point of a face; the order of vertices with none would be a guess."
         )
     return taken

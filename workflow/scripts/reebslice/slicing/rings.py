@@ -104,7 +104,7 @@ def _measure(mesh, places, crossing, cut, value):
 
 @njit
 def _place(mesh, places, h, value, out):
-    """Where a contour of this value crosses an upward half-edge; the middle of one along which the value is constant."""
+    """Where a contour of this value crosses an upward half-edge; the middle of one that is at one value."""
     low, high = mesh.faces[h // 3, h % 3], mesh.faces[h // 3, (h % 3 + 1) % 3]
     span, t = mesh.points[high, 2] - mesh.points[low, 2], 0.5
     if span > 0:

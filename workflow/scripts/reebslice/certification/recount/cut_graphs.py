@@ -64,7 +64,7 @@ def cut_surface(faces, links, critical, levels):
     across = at < above[edge]  # the level above this slab crosses the mesh edge
     ring = _join(one[across], other[across], len(owner))
     crossed = slab < high[owner]
-    rings, first = np.unique(ring[crossed], return_index=True)
+    first = np.unique(ring[crossed], return_index=True)[1]
     cells = np.flatnonzero(crossed)[first]
     corner = np.empty(faces.max() + 1, np.int64)
     corner[faces.ravel()] = np.repeat(np.arange(len(faces)), 3)
