@@ -28,11 +28,17 @@ def move_branch_points(found, points, reach):
         for branch, end in ways:
             way = found.way(branch, end)
             half = (len(way) + 1) // 2
-            held = [k for k in range(1, half) if _are_within(points[way[:k]], points[way[k]], reach[way[k]])]
+            held = _list_held(points[way], reach[way], half)
             if held and (best is None or reach[way[held[-1]]] > reach[best[2]]):
                 best = branch, end, way[held[-1]]
         if best is not None and reach[best[2]] > reach[node]:
             _move(found, node, ways, best, points, reach)
+
+
+def _list_held(path, reach, end):
+    """Places from 1 up to `end` of a path within whose reach all of it before is, ascending."""
+    likely = np.flatnonzero(np.linalg.norm(path[:end] - path[0], axis=1) <= reach[:end])
+    return [k for k in likely.tolist() if k and _are_within(path[:k], path[k], reach[k])]
 
 
 def _are_within(points, centre, reach):
@@ -75,7 +81,7 @@ def trim_end(chain, is_free, points, reach):
     cuts = [0, 0]
     for side, way in ((0, chain), (1, chain[::-1])):
         if is_free[side]:
-            held = [k for k in range(1, len(way) - 1) if _are_within(points[way[:k]], points[way[k]], reach[way[k]])]
+            held = _list_held(points[way], reach[way], len(way) - 1)
             cuts[side] = held[-1] if held else 0
     rest = chain[cuts[0] : len(chain) - cuts[1]]
     return rest if len(rest) > 1 else chain
