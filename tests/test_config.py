@@ -28,7 +28,7 @@ SECTIONS = pipeline.STAGES | {
     "certify": "levels", "draw": "draw", "view": "view", "find_pockets": "pockets", "find_loops": "loops",
     "cut_pockets": "draw", "draw_loops": "draw", "draw_figures": "draw", "label_faces": "faces",
     "colour_faces": "colours", "decompose_solid": "parts", "export_model": "export", "compare_links": "compare",
-    "rate_directions": "directions",
+    "rate_directions": "directions", "graph_functions": "functions", "trace_centrelines": "centrelines",
 }  # fmt: skip
 SHIPPED = yaml.safe_load((ROOT / "config" / "config.yaml").read_text())
 
@@ -93,6 +93,10 @@ def test_every_key_is_described_in_schema_and_readme():
         ({"meshes": ""}, "meshes is '': must not be empty"),
         ({"pockets": {"find": False, "cut": True}}, "pockets.cut is true, but pockets.find is false"),
         ({"loops": {"find": False, "draw": True}}, "loops.draw is true, but loops.find is false"),
+        (
+            {"functions": ["geodesics"]},
+            "functions[0] is 'geodesics': must be geodesic, barycentre, or file: and a name",
+        ),
     ],
 )
 def test_each_fault_is_named(sections, sentence):
@@ -237,6 +241,7 @@ def test_a_configuration_that_is_accepted_fails_no_model(given_config):
     options["synthesize_edges"] = config["edges"] | {"levels": levels}
     for stage in ("label_faces", "colour_faces", "decompose_solid", "export_model"):
         options[stage] = options[stage] | config["edges"]
+    options["graph_functions"] = {"functions": ["geodesic", "barycentre"]}
     with TemporaryDirectory() as folder:
         folder = Path(folder)
         write_prism(folder / "mesh.off", 4, 1.0)

@@ -35,7 +35,7 @@ def test_every_exported_name_is_there_and_stubs_say_the_same():
     assert all(getattr(reebslice, name) is not None for name in reebslice.__all__)
     assert set(reebslice.__all__) == set(dir(reebslice))
     assert reebslice.SCHEMAS is SCHEMAS
-    with pytest.raises(AttributeError, match="no attribute 'slice'; it exports ArcBodies, Contours, "):
+    with pytest.raises(AttributeError, match="no attribute 'slice'; it exports ArcBodies, Centrelines, Contours, "):
         _ = reebslice.slice
 
 

@@ -13,8 +13,8 @@ from hypothesis import strategies as st
 
 import solids
 from reebslice import exact_graphs, height_mesh, inspect_surface, read_mesh, surface_reeb_graph
-from reebslice.graphs import outer_arcs, ray_hosts
-from reebslice.graphs.exact import sliced_solid_graph, solid_reeb_graph
+from reebslice.graphs import exact, outer_arcs, ray_hosts
+from reebslice.graphs.exact import rayed_solid_graph, sliced_solid_graph
 from reebslice.graphs.exact_rays import exact_host
 from reebslice.graphs.face_grid import build_grid, find_candidates
 from reebslice.graphs.flat_pairs import cancel_pairs, find_flat_pairs
@@ -40,7 +40,7 @@ def compare(mesh, body=None):
     """Assert that both ways give one graph; slices may keep pairs in flats that others had them part."""
     graph, body = surface_reeb_graph(mesh), one_body(mesh) if body is None else body
     assert solid_graph_by_rays(mesh, graph, body) is not None
-    found, (nodes, arcs) = solid_reeb_graph(mesh, graph, body), sliced_solid_graph(mesh, graph, body)
+    found, (nodes, arcs) = rayed_solid_graph(mesh, graph, body), sliced_solid_graph(mesh, graph, body)
     pairs = find_flat_pairs(mesh.points[graph.nodes, 2], graph)
     kept = pairs[np.isin(graph.nodes[pairs], nodes).all(axis=1)]
     expected = cancel_pairs(np.searchsorted(graph.nodes, nodes)[arcs], len(graph.nodes), kept)
@@ -102,14 +102,14 @@ def test_what_floats_leave_open_rational_numbers_decide(monkeypatch, seed):
     """With a bound of rounding so large that hardly a ray and no area is certain, all graphs stay as they are."""
     shapes = [solids.csg(5, 6), solids.nested_shells(3), solids.Solid(*noisy_volumes.noisy_plate(12, 1.2, 1.0, 4))]
     meshes = [turned(solid, seed) for solid in shapes]
-    expected = [solid_reeb_graph(mesh, surface_reeb_graph(mesh), one_body(mesh)) for mesh in meshes]
+    expected = [rayed_solid_graph(mesh, surface_reeb_graph(mesh), one_body(mesh)) for mesh in meshes]
     monkeypatch.setattr(ray_hosts, "ROUNDING", 0.05)
     monkeypatch.setattr(outer_arcs, "ROUNDING", 1e3)
     exact = []
     monkeypatch.setattr("reebslice.graphs.solid_by_rays.exact_host", lambda *a: exact.append(a) or exact_host(*a))
     for mesh, (nodes, arcs) in zip(meshes, expected):
         graph = surface_reeb_graph(mesh)
-        found = solid_reeb_graph(mesh, graph, one_body(mesh))
+        found = rayed_solid_graph(mesh, graph, one_body(mesh))
         assert (found[0] == nodes).all() and (found[1] == arcs).all()
     assert len(exact) > 20
 
@@ -120,12 +120,13 @@ def test_a_surface_that_crosses_itself_is_sliced():
     mesh = turned(crossed, 1)
     graph = surface_reeb_graph(mesh)
     assert solid_graph_by_rays(mesh, graph, one_body(mesh)) is None
-    found, expected = (make(mesh, graph, one_body(mesh)) for make in (solid_reeb_graph, sliced_solid_graph))
+    found, expected = (make(mesh, graph, one_body(mesh)) for make in (rayed_solid_graph, sliced_solid_graph))
     assert all((a == b).all() for a, b in zip(found, expected))
 
 
 def test_noise_for_which_slices_have_no_room_has_its_graphs(monkeypatch):
     monkeypatch.setattr(graph_slices, "MOST_CROSSINGS", 5_000)
+    monkeypatch.setattr(exact, "FEW_CROSSINGS", 5_000)
     points, faces = noisy_volumes.bumpy_torus(80, 50, 2.0, 2)
     for graph in exact_graphs(points, faces):
         assert len(graph.vertex) > 400 and len(graph.arcs) == len(graph.vertex)  # one part, one loop

@@ -34,6 +34,7 @@ from corpus.batches import (
     set_apart,
 )
 from corpus.carried_files import flag_files, foretell_report, list_carried
+from corpus.carried_values import describe_values
 from corpus.code_digest import compiled_code_folder, digest_code, read_outputs
 from corpus.configuration import CONFIG_FILE, ConfigError, check_config, describe_sources, restore_texts
 from corpus.console import show_progress
@@ -221,6 +222,14 @@ def own_options(pick):
     common = pick(config)
     own = {model: pick(configured) for model, configured in OWN.items() if pick(configured) != common}
     return lambda wildcards: {model: own[model] for model in MEMBERS[wildcards.batch] if model in own}
+
+
+def own_values(wildcards):
+    """Options of graph_functions of a batch's models, where values are read: the mesh file, and what is beside it."""
+    if not any(name.startswith("file:") for name in config["functions"]):
+        return {}
+    paths = zip(models_of(wildcards), paths_of(wildcards))
+    return {model: {"functions": config["functions"], **describe_values(path)} for model, path in paths}
 
 
 def memory_of(wildcards, attempt):

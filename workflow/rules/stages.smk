@@ -331,6 +331,47 @@ rule export_model:
         run_job("export_model", input, output, params, log)
 
 
+# Builds the Reeb graphs of other functions on the surface than the height, and certifies them. Writes function_values,
+# function_nodes, function_arcs, functions.graphml and functions.json; aside of the stages above.
+rule graph_functions:
+    input:
+        status="results/status/inspect_mesh/{batch}.parquet",
+    output:
+        status="results/status/graph_functions/{batch}.parquet",
+    log:
+        "results/logs/graph_functions/{batch}.log",
+    priority: priority_at("graph_functions")
+    resources:
+        mem_mb=memory_of,
+        runtime=runtime_of,
+    params:
+        options={"functions": config["functions"]},
+        own=own_values,
+        code=CODE["graph_functions"],
+    run:
+        run_job("graph_functions", input, output, params, log)
+
+
+# Traces the centrelines of tubes. Writes centreline_points, branches, and centrelines as poly data and SWC; aside of
+# the stages above.
+rule trace_centrelines:
+    input:
+        status="results/status/inspect_mesh/{batch}.parquet",
+    output:
+        status="results/status/trace_centrelines/{batch}.parquet",
+    log:
+        "results/logs/trace_centrelines/{batch}.log",
+    priority: priority_at("trace_centrelines")
+    resources:
+        mem_mb=memory_of,
+        runtime=runtime_of,
+    params:
+        options={key: config["centrelines"][key] for key in ("distance", "prune")},
+        code=CODE["trace_centrelines"],
+    run:
+        run_job("trace_centrelines", input, output, params, log)
+
+
 # Draws the mesh with its graph inside, beside the graph by height.
 rule draw:
     input:

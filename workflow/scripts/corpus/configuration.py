@@ -250,6 +250,7 @@ def _allowed(error):
         "maxItems": lambda: f"must have at most {limit} entries",
         "minLength": lambda: "must not be empty",
         "uniqueItems": lambda: "must not name anything twice",
+        "pattern": lambda: f"must be {error.schema['description']}",
     }
     return says[rule]() if rule in says else error.message
 

@@ -26,13 +26,15 @@ BEFORE = {
     "colour_faces": "synthesize_edges",
     "decompose_solid": "synthesize_edges",
     "export_model": "certify",
+    "graph_functions": "inspect_mesh",
+    "trace_centrelines": "inspect_mesh",
     "compare_links": "inspect_mesh",
     "rate_directions": "inspect_mesh",
 }
 # Asked for by name, through the tables that are gathered of them; the others are those of the default target.
 ASKED_FOR = ("compare_links", "rate_directions")
 STAGES = tuple(stage for stage in BEFORE if stage not in ASKED_FOR)
-# Of these, those that a key in a group of the configuration switches off.
+# Of these, those that a key in a group of the configuration switches off, or a key at its top, here without a group.
 SIDE_STAGES = {
     "view": ("view", "pages"),
     "draw_figures": ("draw", "figures"),
@@ -44,6 +46,8 @@ SIDE_STAGES = {
     "colour_faces": ("colours", "find"),
     "decompose_solid": ("parts", "find"),
     "export_model": ("export", "files"),
+    "graph_functions": (None, "functions"),
+    "trace_centrelines": ("centrelines", "find"),
 }
 
 
@@ -60,7 +64,7 @@ def line_behind(stage):
 
 def chosen_stages(config):
     """Return the stages of the default target that the checked configuration wants."""
-    wanted = {stage: config[group][key] for stage, (group, key) in SIDE_STAGES.items()}
+    wanted = {stage: (config[group] if group else config)[key] for stage, (group, key) in SIDE_STAGES.items()}
     return tuple(stage for stage in STAGES if all(wanted.get(each, True) for each in line_to(stage)))
 
 

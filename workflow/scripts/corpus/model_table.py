@@ -12,7 +12,8 @@ from .storage import read_json
 
 # Files of figures, and the stages that write them; of figures of one name, that of the later file counts.
 FIGURES = {"inspection.json": "inspect_mesh", "sampling.json": "classify_handles", "certificate.json": "certify"}
-FIGURES |= {"pockets.json": "find_pockets", "loops.json": "find_loops"}
+FIGURES |= {"pockets.json": "find_pockets", "loops.json": "find_loops", "centrelines.json": "trace_centrelines"}
+FIGURES |= {"functions.json": "graph_functions"}
 FIRST = ("model", "path", "status", "reason", "verdict")
 LONGEST = 8  # entries of a group or list that is spread over columns
 

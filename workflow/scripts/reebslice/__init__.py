@@ -15,6 +15,7 @@ __version__ = "0.1.0"
 # Exported name: the module that has it. `__init__.pyi` says the same to type checkers.
 _HOMES = {
     "ArcBodies": "graphs.decomposition",
+    "Centrelines": "graphs.centrelines",
     "Contours": "slicing.contours",
     "Directions": "graphs.directions",
     "ExactGraph": "graphs.exact",
@@ -26,13 +27,17 @@ _HOMES = {
     "Regions": "slicing.regions",
     "SCHEMAS": "schemas",
     "Slices": "slicing.slices",
+    "ValueMesh": "morse.value_mesh",
+    "barycentric_distance": "functions.barycentre",
     "certify": "certification.certificate",
     "compare_directions": "graphs.directions",
     "decompose": "graphs.decomposition",
     "exact_graphs": "graphs.exact",
+    "find_centrelines": "graphs.centrelines",
     "find_islands": "graphs.pockets",
     "find_loops": "graphs.loops",
     "find_pockets": "graphs.pockets",
+    "geodesic_distance": "functions.geodesic",
     "height_mesh": "morse.height_mesh",
     "inspect_surface": "mesh.inspection",
     "label_faces": "morse.face_arcs",
@@ -44,6 +49,7 @@ _HOMES = {
     "slice_surface": "slicing.refinement",
     "surface_reeb_graph": "morse.reeb_graph",
     "uniform_heights": "slicing.levels",
+    "value_mesh": "morse.value_mesh",
     "void_reeb_graph": "graphs.voids",
 }
 

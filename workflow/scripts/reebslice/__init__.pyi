@@ -2,7 +2,11 @@ from . import errors as errors
 from .certification.certificate import certify as certify
 from .formats.mesh_file import MeshFile as MeshFile
 from .formats.meshes import read_mesh as read_mesh
+from .functions.barycentre import barycentric_distance as barycentric_distance
+from .functions.geodesic import geodesic_distance as geodesic_distance
 from .graphs.bodies import pocket_bodies as pocket_bodies
+from .graphs.centrelines import Centrelines as Centrelines
+from .graphs.centrelines import find_centrelines as find_centrelines
 from .graphs.decomposition import ArcBodies as ArcBodies
 from .graphs.decomposition import decompose as decompose
 from .graphs.directions import Directions as Directions
@@ -21,6 +25,8 @@ from .morse.height_mesh import HeightMesh as HeightMesh
 from .morse.height_mesh import height_mesh as height_mesh
 from .morse.reeb_graph import ReebGraph as ReebGraph
 from .morse.reeb_graph import surface_reeb_graph as surface_reeb_graph
+from .morse.value_mesh import ValueMesh as ValueMesh
+from .morse.value_mesh import value_mesh as value_mesh
 from .schemas import SCHEMAS as SCHEMAS
 from .slicing.contours import Contours as Contours
 from .slicing.levels import uniform_heights as uniform_heights

@@ -12,7 +12,8 @@ ROW_IDS = {
         "shells", "levels", "contours", "pieces", "handles", "nodes", "edges", "loops", "pockets", "islands", "regions",
     )
 } | {
-    "critical_points": "critical", "critical_arcs": "arc", "unfoldings": "unfolding",
+    "critical_points": "critical", "critical_arcs": "arc", "unfoldings": "unfolding", "centreline_points": "point",
+    "branches": "branch",
 }  # fmt: skip
 # Foreign keys: of every table the columns that hold numbers of rows, or lists of
 # them, and the table whose rows they are. Regions are the rows of `nodes`, and no
@@ -55,6 +56,11 @@ REFERENCES = {
     ),
     "parts": (("solid_arc", "arcs"),),
     "regions": (("region", "nodes"), ("level", "levels")),
+    "function_values": (("vertex", "vertices"),),
+    "function_nodes": (("vertex", "vertices"),),
+    "branches": (
+        ("source", "centreline_points"), ("target", "centreline_points"), ("points", "centreline_points"),
+    ),
 }  # fmt: skip
 
 

@@ -86,6 +86,34 @@ def read_ply(path):
     return build_mesh(points, corners, sizes, names)
 
 
+def read_ply_property(path, name):
+    """Read a property of the vertices of a PLY file.
+
+    Parameters
+    ----------
+    path : Path
+    name : str
+
+    Returns
+    -------
+    (n,) float64
+        In the order of the file.
+
+    Raises
+    ------
+    MeshFormatError
+        As of :func:`read_ply`; or the vertices have no such property that is one number.
+    """
+    data = path.read_bytes()
+    header = parse_header(data)
+    _check_elements(header)
+    properties = next((element.properties for element in header.elements if element.name == "vertex"), ())
+    if [one.name for one in properties if not one.length].count(name) != 1:
+        held = ", ".join(one.name for one in properties)
+        raise MeshFormatError(f"The vertices of the PLY file have no property {name} that is one number, but {held}.")
+    return _read_elements(data, header, (name,))["vertex"][3][0].astype(np.float64)
+
+
 # --------------------------------------------------------------------------
 # The header
 
@@ -181,8 +209,8 @@ def _find_list(element):
 # The body
 
 
-def _read_elements(data, header):
-    """Return what is wanted of the elements: {name: [(values, lengths), ...]}."""
+def _read_elements(data, header, also=()):
+    """Return what is wanted of the elements: {name: [(values, lengths), ...]}; also : more properties of vertices."""
     if header.order:
         body, read, at = data, read_binary, header.body
     else:
@@ -195,7 +223,9 @@ def _read_elements(data, header):
     found = {}
     last = max((k for k, one in enumerate(header.elements) if one.name in WANTED and one.count), default=-1)
     for element in header.elements[: last + 1]:
-        names = "xyz" if element.name == "vertex" else (_find_list(element),) if element.name in WANTED else ()
+        names = (
+            (*"xyz", *also) if element.name == "vertex" else (_find_list(element),) if element.name in WANTED else ()
+        )
         found[element.name], at = read(body, at, element, names if element.count else (), header.order)
     found.setdefault("vertex", [(np.zeros(0), None)] * 3)
     return found

@@ -1,5 +1,6 @@
 """The exact Reeb graphs of a surface and of the solid that it bounds, from arrays, without a sampling distance."""
 
+from contextlib import suppress
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -8,12 +9,15 @@ from numpy.typing import ArrayLike
 from scipy.sparse.csgraph import connected_components
 
 from ..arrays.grouping import group_of_members
+from ..errors import TooManyCrossingsError
 from ..morse.height_mesh import height_mesh_of_bodies
 from ..morse.reeb_graph import critical_persistence, surface_reeb_graph
 from ..slicing.crowding import block_chains
 from ..slicing.refinement import exact_slices
 from .flat_pairs import cancel_pairs, find_flat_pairs
 from .solid_by_rays import solid_graph_by_rays
+
+FEW_CROSSINGS = 100_000  # points of contours that are traced in some hundredths of a second
 
 
 class ExactGraph(NamedTuple):
@@ -65,12 +69,12 @@ def exact_graphs(
 
     Both are exact for any surface that does not cross itself: nothing is
     sampled, and what is decided by coordinates is decided in rational numbers
-    where rounding leaves it open. The solid's graph is made of arcs of the
-    surface's, with one ray for each event of a hole
-    (:mod:`.graphs.solid_by_rays`), so noise that makes critical points by the
-    ten thousand costs little. Where the surface crosses itself and rays find
-    out, the solid's graph takes the contours of the fewest levels that leave no
-    events together; time and memory then grow as these contours.
+    where rounding leaves it open. The solid's graph takes the
+    contours of the fewest levels that leave no events together, where these are
+    few; else it is made of arcs of the surface's, with one ray for each event
+    of a hole (:mod:`.graphs.solid_by_rays`), so noise that makes critical
+    points by the ten thousand costs little. Where the surface crosses itself
+    and rays find out, contours have to do; time and memory then grow as these.
 
     Parameters
     ----------
@@ -123,7 +127,27 @@ def _name_vertices(mesh, ranks, arcs):
 
 
 def solid_reeb_graph(mesh, graph, body_of_vertex):
-    """Build the Reeb graph of the solid from that of its surface.
+    """Build the Reeb graph of the solid from that of its surface, in the way that costs less.
+
+    Parameters
+    ----------
+    mesh, graph, body_of_vertex
+        As for :func:`rayed_solid_graph`.
+
+    Returns
+    -------
+    nodes, arcs
+        As of :func:`rayed_solid_graph`.
+    """
+    if not len(find_flat_pairs(mesh.points[graph.nodes, 2], graph)):  # of which slices keep some
+        most = max(FEW_CROSSINGS, len(mesh.faces) // 4)  # rays visit every face
+        with suppress(TooManyCrossingsError):
+            return sliced_solid_graph(mesh, graph, body_of_vertex, most)
+    return rayed_solid_graph(mesh, graph, body_of_vertex)
+
+
+def rayed_solid_graph(mesh, graph, body_of_vertex):
+    """Build the Reeb graph of the solid from that of its surface by rays, or where these find none, by slices.
 
     Parameters
     ----------
@@ -151,20 +175,27 @@ def solid_reeb_graph(mesh, graph, body_of_vertex):
     return graph.nodes[kept], arcs[np.lexsort(arcs.T[::-1])]
 
 
-def sliced_solid_graph(mesh, graph, body_of_vertex):
-    """Do as :func:`solid_reeb_graph` by slices, for surfaces that cross themselves as well.
+def sliced_solid_graph(mesh, graph, body_of_vertex, most=None):
+    """Do as :func:`rayed_solid_graph` by slices, for surfaces that cross themselves as well.
 
     Parameters
     ----------
     mesh, graph, body_of_vertex
-        As for :func:`solid_reeb_graph`.
+        As for :func:`rayed_solid_graph`.
+    most : int, optional
+        Points that contours may have in all; by default as many as fit into memory.
 
     Returns
     -------
     nodes, arcs
-        As of :func:`solid_reeb_graph`; but a pair of equal height stays where a level parts it for the sake of others.
+        As of :func:`rayed_solid_graph`; but a pair of equal height stays where a level parts it for the sake of others.
+
+    Raises
+    ------
+    TooManyCrossingsError
+        There would be more points.
     """
-    slices = exact_slices(mesh, graph, body_of_vertex)
+    slices = exact_slices(mesh, graph, body_of_vertex, most)
     node, block = _nodes_of_blocks(slices, critical_persistence(mesh, graph))
     first, last = (np.searchsorted(block, np.arange(slices.n_blocks), side=side) for side in ("left", "right"))
     plain = first == last

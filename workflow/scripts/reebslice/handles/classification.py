@@ -3,6 +3,7 @@
 import numpy as np
 
 from ..morse.critical_points import morse_indices
+from ..morse.persistence import pair_kinds
 from ..schemas import EVENTS
 from ..slicing.tables import block_regions
 from ..table_checks import build_table
@@ -73,8 +74,6 @@ def critical_tables(mesh, graph, handles):
         As `schemas` declares them.
     """
     height, index = mesh.points[graph.nodes, 2], morse_indices(mesh, graph.nodes)
-    lower, upper = np.minimum(index, index[graph.partner]), np.maximum(index, index[graph.partner])
-    pairing = np.select([upper == 1, lower == 1], [np.where(lower == 0, "ordinary", "loop"), "relative"], "extended")
     points = {
         "critical": np.arange(len(graph.nodes)),
         "vertex": mesh.vertex[graph.nodes],
@@ -82,7 +81,7 @@ def critical_tables(mesh, graph, handles):
         "height": height,
         "index": index,
         "partner": graph.partner,
-        "pairing": pairing.tolist(),
+        "pairing": pair_kinds(index, graph.partner),
         "persistence": np.abs(height - height[graph.partner]),
         "handle": _positions(handles["rank"].to_numpy(), graph.nodes),
     }

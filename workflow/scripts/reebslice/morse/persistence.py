@@ -63,6 +63,24 @@ def extended_pairs(n_nodes, arcs):
     return _extended_pairs(np.ascontiguousarray(arcs, np.int32).reshape(-1, 2), n_nodes)
 
 
+def pair_kinds(index, partner):
+    """Name what each node of the Reeb graph of a surface begins or ends.
+
+    Parameters
+    ----------
+    index, partner : (K,) int
+        Morse index of each node, and the other member of its pair.
+
+    Returns
+    -------
+    list of str
+        `ordinary`, `relative`, `loop` or `extended`, as :class:`ExtendedPairs` has them.
+    """
+    lower, upper = np.minimum(index, index[partner]), np.maximum(index, index[partner])
+    kinds = [np.where(lower == 0, "ordinary", "loop"), "relative"]
+    return np.select([upper == 1, lower == 1], kinds, "extended").tolist()
+
+
 @njit
 def _pair_components(arcs, incident, upward):
     """Pairs (p, 2) by the elder rule, loops that each node closes (n,), and for each node one nearer the oldest."""

@@ -18,6 +18,7 @@ from .contour_trees import choose_gates, find_gates, merge_components, prune_lea
 from .loop_cuts import cut_loops, no_cuts
 from .ordered_mesh import HeightMesh, check_ordered
 from .persistence import extended_pairs
+from .value_mesh import ValueMesh
 
 
 class ReebGraph(NamedTuple):
@@ -43,14 +44,14 @@ class ReebGraph(NamedTuple):
     gates: np.ndarray
 
 
-def surface_reeb_graph(mesh: HeightMesh) -> ReebGraph:
-    """Build the Reeb graph of the height on a surface.
+def surface_reeb_graph(mesh: HeightMesh | ValueMesh) -> ReebGraph:
+    """Build the Reeb graph of the height, or of any other function, on a surface.
 
     Parameters
     ----------
-    mesh : HeightMesh
+    mesh : HeightMesh or ValueMesh
         Surface of any number of shells whose saddles are simple
-        (:func:`height_mesh.height_mesh`).
+        (:func:`height_mesh.height_mesh`, :func:`value_mesh.value_mesh`).
 
     Returns
     -------
@@ -76,7 +77,8 @@ def surface_reeb_graph(mesh: HeightMesh) -> ReebGraph:
     >>> graph.nodes.tolist(), graph.arcs.tolist()
     ([0, 3], [[0, 1]])
     """
-    check_ordered(mesh)
+    if not isinstance(mesh, ValueMesh):
+        check_ordered(mesh)
     gates = find_gates(mesh.faces, mesh.twins, len(mesh.points))
     nodes = np.flatnonzero(gates.rises != 1).astype(np.int32)
     cuts = no_cuts()
@@ -124,7 +126,7 @@ def critical_persistence(mesh, graph):
 
     Parameters
     ----------
-    mesh : HeightMesh
+    mesh : HeightMesh or ValueMesh
         Surface of n vertices.
     graph : ReebGraph
         Of the mesh.
@@ -132,8 +134,8 @@ def critical_persistence(mesh, graph):
     Returns
     -------
     (n,) float64
-        Height between the members of each pair of the graph, mesh units; NaN at
-        regular vertices.
+        Height, or difference of values, between the members of each pair of the
+        graph; NaN at regular vertices.
     """
     height = mesh.points[graph.nodes, 2]
     persistence = np.full(len(mesh.points), np.nan)

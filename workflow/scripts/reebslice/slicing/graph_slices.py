@@ -15,7 +15,7 @@ from ..morse.ordered_mesh import cross_at, next_half_edge
 from .contours import MOST_CROSSINGS, Contours
 
 
-def trace_arcs_at_levels(mesh, graph, levels):
+def trace_arcs_at_levels(mesh, graph, levels, most=None):
     """Trace the contours of all levels along the arcs of the surface's Reeb graph.
 
     Parameters
@@ -26,6 +26,8 @@ def trace_arcs_at_levels(mesh, graph, levels):
         The mesh's, of A arcs.
     levels : Levels
         The cuts.
+    most : int, optional
+        Points that there may be; by default MOST_CROSSINGS.
 
     Returns
     -------
@@ -37,13 +39,14 @@ def trace_arcs_at_levels(mesh, graph, levels):
     Raises
     ------
     TooManyCrossingsError
-        As soon as the points are known to be more than MOST_CROSSINGS.
+        As soon as the points are known to be more than `most`.
     """
     offset, level, crossing = _cross_arcs(mesh, graph, levels)
-    first, length = _walk_contours(mesh, levels, level, crossing, MOST_CROSSINGS)
-    if length.sum() > MOST_CROSSINGS:
+    most = MOST_CROSSINGS if most is None else most
+    first, length = _walk_contours(mesh, levels, level, crossing, most)
+    if length.sum() > most:
         raise TooManyCrossingsError(
-            f"{len(levels.height)} levels cross the mesh edges more than {MOST_CROSSINGS} times, which is more than "
+            f"{len(levels.height)} levels cross the mesh edges more than {most} times, which is more than "
             "can be held: smooth the surface, or look at the features of a size only (`slice_surface`)"
         )
     order = np.lexsort((first, level))
@@ -87,12 +90,31 @@ def _cross_arcs(mesh, graph, levels):
     lowest, end = (np.searchsorted(levels.below, ends[:, k], side="right") for k in (0, 1))
     offset = np.concatenate([[0], np.cumsum(end - lowest)])
     level = (np.arange(offset[-1]) + np.repeat(lowest - offset[:-1], end - lowest)).astype(np.int32)
-    return offset, level, _climb(mesh.faces, mesh.twins, levels.below, graph.gates, offset, level)
+    return offset, level, climb(mesh.faces, mesh.twins, levels.below, graph.gates, offset, level)
 
 
 @njit
-def _climb(faces, twins, below, gates, offset, level):
-    """Go up from each gate: an upward half-edge across every level that is asked for."""
+def climb(faces, twins, below, gates, offset, level):
+    """Go up from the gate of each arc to the levels that cross it.
+
+    Parameters
+    ----------
+    faces, twins : arrays
+        Of the mesh.
+    below : (K,) int
+        Vertices below each level.
+    gates : (A,) int32
+        Of the graph.
+    offset : (A + 1,) int
+        Arc a asks for ``level[offset[a]:offset[a + 1]]``.
+    level : (L,) int
+        Ascending for each arc.
+
+    Returns
+    -------
+    (L,) int32
+        An upward half-edge that crosses each level, on the contour of its arc.
+    """
     crossing = np.empty(len(level), np.int32)
     for a in range(len(gates)):
         h = gates[a]

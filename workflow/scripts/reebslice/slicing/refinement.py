@@ -1,5 +1,7 @@
 """Levels added until every event, or every one of a feature size, is apart from the others."""
 
+from functools import partial
+
 import numpy as np
 
 from ..errors import ReebsliceError
@@ -107,7 +109,7 @@ def slice_surface(
     return _refine(cut_surface, mesh, graph, body_of_vertex, (levels, refined), crowd)
 
 
-def exact_slices(mesh, graph, body_of_vertex):
+def exact_slices(mesh, graph, body_of_vertex, most=None):
     """Cut a surface at as few levels as it takes to leave no events together.
 
     Parameters
@@ -118,6 +120,8 @@ def exact_slices(mesh, graph, body_of_vertex):
         The mesh's.
     body_of_vertex : (n,) int32
         Bodies that may overlap.
+    most : int, optional
+        Points that contours may have in all; by default as many as fit into memory.
 
     Returns
     -------
@@ -127,14 +131,13 @@ def exact_slices(mesh, graph, body_of_vertex):
     Raises
     ------
     TooManyCrossingsError
-        The contours would not fit into memory.
+        There would be more points.
     """
+    cut = partial(cut_along_arcs, most=most)
     significant = critical_persistence(mesh, graph) > 0
     levels, refined = make_levels(mesh, [(mesh.points[0, 2] + mesh.points[-1, 2]) / 2]), np.zeros(1, bool)
     start = _insert(mesh, levels, refined, unpierced_arcs(graph, levels, significant))
-    return _refine(
-        cut_along_arcs, mesh, graph, body_of_vertex, start, lambda s: crowded_intervals(s, graph, significant, True)
-    )[0]
+    return _refine(cut, mesh, graph, body_of_vertex, start, lambda s: crowded_intervals(s, graph, significant, True))[0]
 
 
 def _refine(cut, mesh, graph, body_of_vertex, start, crowd):

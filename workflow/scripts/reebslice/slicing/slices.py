@@ -187,13 +187,15 @@ def cut_surface(mesh, levels, body_of_vertex, graph=None):
     return Slices(levels, contours, pieces, regions, *find_blocks(pieces, contours, regions, hosts), surfaces)
 
 
-def cut_along_arcs(mesh, levels, body_of_vertex, graph):
+def cut_along_arcs(mesh, levels, body_of_vertex, graph, most=None):
     """Do as :func:`cut_surface`, but visit only what the levels cross.
 
     Parameters
     ----------
     mesh, levels, body_of_vertex, graph
         As for :func:`cut_surface`.
+    most : int, optional
+        Points that contours may have in all; by default as many as fit into memory.
 
     Returns
     -------
@@ -204,9 +206,9 @@ def cut_along_arcs(mesh, levels, body_of_vertex, graph):
     Raises
     ------
     TooManyCrossingsError
-        The contours would not fit into memory.
+        There would be more points.
     """
-    contours, of_arcs = trace_arcs_at_levels(mesh, graph, levels)
+    contours, of_arcs = trace_arcs_at_levels(mesh, graph, levels, most)
     pieces = find_pieces(graph, levels, contours, of_arcs)
     if (pieces.n_below + pieces.n_above == 0).any():
         return cut_surface(mesh, levels, body_of_vertex, graph)
