@@ -39,7 +39,7 @@ from corpus.code_digest import compiled_code_folder, digest_code, read_outputs
 from corpus.configuration import CONFIG_FILE, ConfigError, check_config, describe_sources, restore_texts
 from corpus.console import show_progress
 from corpus.discovery import CorpusError, find_models, pick_models
-from corpus.jobs import Job, JobError, Nursery
+from corpus.jobs import Job, JobError, Nursery, wait_in_threads
 from corpus.layout import (
     ASKED_FOR,
     BEFORE,
@@ -280,7 +280,9 @@ def gathering_runtime(wildcards, attempt):
 
 # Jobs ------------------------------------------------------------------------
 
-NURSERY = Nursery(SCRIPTS)
+# In a job's own Snakemake, as on a cluster, there is one job, which loads what it needs.
+NURSERY = Nursery(SCRIPTS, CHOSEN if workflow.is_main_process else ())
+wait_in_threads(workflow)
 
 
 def run_job(name, input, output, params, log):
@@ -328,19 +330,6 @@ def drop_rate_limit():
     """
     if workflow.local_exec and hasattr(workflow.scheduler, "job_rate_limiter"):
         workflow.scheduler.job_rate_limiter = None
-
-
-def choose_modules():
-    """Have the nursery load what the jobs of this run need."""
-    outputs = [Path(path) for job in workflow.dag.needrun_jobs() for path in job.output]
-    NURSERY.modules = sorted({path.parent.name for path in outputs if path.parent.parent.name == "status"})
-
-
-def wait_in_threads():
-    """Have jobs on this machine waited for by threads, not each by another Snakemake, as --force-use-threads does."""
-    for executor in (workflow.scheduler._executor, workflow.scheduler._local_executor):
-        if hasattr(executor, "use_threads"):
-            executor.use_threads = True
 
 
 def forget_forced():

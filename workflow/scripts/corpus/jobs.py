@@ -117,6 +117,22 @@ class Nursery:
         process.wait()
 
 
+def wait_in_threads(workflow):
+    """Have threads wait for the jobs of a run, not each another Snakemake, as --force-use-threads does.
+
+    Parameters
+    ----------
+    workflow : snakemake.workflow.Workflow
+    """
+    execute = workflow.execute
+
+    def execute_with_threads(*arguments, **settings):
+        workflow.execution_settings.use_threads = True  # which are not known before
+        execute(*arguments, **settings)
+
+    workflow.execute = execute_with_threads
+
+
 def serve(number, modules):
     """Be the nursery: load the modules, then fork for every socket that comes through that of this file number.
 

@@ -224,13 +224,8 @@ def _shoot(scene, state, place, gate, marks, room):
 @njit
 def _cross_faces(scene, state, place, ray, marks, room):
     """Cross faces one by one; the outcome, and how many arcs are met. ray : its start, and 1.0 forward, -1.0 back."""
-    faces, points, offset, body, rounding = (
-        scene.mesh.faces,
-        scene.mesh.points,
-        scene.offset,
-        scene.body,
-        scene.rounding,
-    )
+    faces, points, offset = scene.mesh.faces, scene.mesh.points, scene.offset
+    body, rounding = scene.body, scene.rounding
     arcs, (root, label, begin), (x, y, way), (met, crossed) = scene.graph.arcs, state, ray, room
     v, n_met = np.int64(scene.graph.nodes[place]), 0
     aside, margin = TURN[0] * y - TURN[1] * x, 4 * rounding
