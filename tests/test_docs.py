@@ -58,6 +58,7 @@ PRINTED = {
     "README.md": [r"torus_upright +ok +exact.*\n4 events, 4 arcs", r"\['tunnel'\]"],
     "docs/cluster.md": [""],
     "docs/directions.md": [r"\[.*\] \d+ "],
+    "docs/centrelines.md": [r"\d+ critical points, \d+ arcs"],
     "docs/how-to.md": ["1\n0\n"],
     "docs/loops.md": [r"(tunnel at \[.*\], \d.*\n){2}"],
     "docs/page.md": [r"^\[[\d. \n]+\]\n$"],
