@@ -18,6 +18,7 @@ from collections import Counter
 from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).parent.parent / "workflow" / "scripts"))
+sys.path.insert(0, str(Path(__file__).parent / "cluster"))
 
 from disturbances import FAULTS, Round
 from small_corpus import compare, fingerprint, make_corpus, settle

@@ -4,7 +4,6 @@ import csv
 import json
 import math
 import os
-import re
 import signal
 import subprocess
 import sys
@@ -14,6 +13,7 @@ from pathlib import Path
 
 import pyarrow.parquet as pq
 
+from compare_results import without_times
 from corpus.code_digest import compiled_code_folder
 from corpus.layout import line_to
 from corpus.receipts import receipt_name
@@ -163,20 +163,10 @@ def _content(path):
         marks = {name: (size, digest) for name, (size, _, digest) in receipt["outputs"].items()}
         return json.dumps([marks, *(receipt[name] for name in ("before", "key", "reason", "status"))]).encode()
     if path.name == "report.html":
-        return _untimed(path.read_text()).encode()
+        return without_times(path.read_text()).encode()
     if path.parent.name == "corpus" and path.suffix == ".json":
         return b""  # stamps of tables
     return path.read_bytes()
-
-
-def _untimed(page):
-    """Return the report without what it tells of seconds and memory."""
-    timed = "seconds", "peak_memory_mb"
-    page = re.sub(f'<figure class="chart" data-figure="({"|".join(timed)})".*?</figure>', "", page, flags=re.DOTALL)
-    head, data, rest = re.split(r'(?<=id="data">)(.*?)(?=</script>)', page, maxsplit=1, flags=re.DOTALL)
-    facts = json.loads(data)
-    facts["figures"] = [figure for figure in facts["figures"] if figure["name"] not in timed]
-    return head + json.dumps(facts) + rest
 
 
 def compare(one, other):

@@ -165,6 +165,20 @@ def test_results_are_compared_but_for_seconds_and_memory(tmp_path, changed, diff
     assert compare_results(one, other) == (3, differing)
 
 
+PAGE = (
+    '<figure class="chart" data-figure="seconds">{0}</figure><figure class="chart" data-figure="genus">{1}</figure>'
+    '<script id="data">{{"figures": [{{"name": "seconds", "of": [{0}]}}, {{"name": "genus", "of": [{1}]}}]}}</script>'
+)
+
+
+@pytest.mark.parametrize("seconds, genus, differing", [(2, 1, []), (1, 2, ["report.html"])])
+def test_reports_are_compared_but_for_seconds(tmp_path, seconds, genus, differing):
+    one, other = lay_out_results(tmp_path / "one"), lay_out_results(tmp_path / "other")
+    (one / "results/corpus/report.html").write_text(PAGE.format(1, 1))
+    (other / "results/corpus/report.html").write_text(PAGE.format(seconds, genus))
+    assert compare_results(one, other) == (4, differing)
+
+
 def test_a_file_on_one_side_only_is_a_difference(tmp_path):
     one, other = lay_out_results(tmp_path / "one"), lay_out_results(tmp_path / "other")
     (other / "results/models/a/edges.parquet").write_bytes(b"")

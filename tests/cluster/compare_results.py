@@ -4,12 +4,13 @@
 
 Files of models have to be equal byte for byte, but for the seconds and the
 memory in receipts, and the times of files there. Status tables and the table of
-models are compared row by row, since runs may have other batches. Logs and
-benchmarks are no results.
+models are compared row by row, since runs may have other batches; the report
+but for what it tells of seconds and memory. Logs are no results.
 """
 
 import csv
 import json
+import re
 import sys
 from pathlib import Path
 
@@ -46,8 +47,11 @@ def _content(path):
     if path.name.startswith(".") and path.suffix == ".json":
         receipt = json.loads(path.read_text())
         outputs = {name: (size, digest) for name, (size, _, digest) in receipt["outputs"].items()}
-        # the receipt of the table of models digests seconds
-        return _without_measured(receipt | {"outputs": sorted(outputs) if path.name == ".models.json" else outputs})
+        # those of the table of models and of the report digest seconds
+        timed = path.name in (".models.json", ".report.json")
+        return _without_measured(receipt | {"outputs": sorted(outputs) if timed else outputs})
+    if path.name == "report.html":
+        return without_times(path.read_text())
     return path.read_bytes()
 
 
@@ -58,6 +62,16 @@ def _read_status(folder):
         rows = stages.setdefault(table.parent.name, {})
         rows |= {row["model"]: _without_measured(row) for row in pq.ParquetFile(table).read().to_pylist()}
     return stages
+
+
+def without_times(page):
+    """Return the report without what it tells of seconds and memory."""
+    timed = MEASURED[:2]
+    page = re.sub(f'<figure class="chart" data-figure="({"|".join(timed)})".*?</figure>', "", page, flags=re.DOTALL)
+    head, data, rest = re.split(r'(?<=id="data">)(.*?)(?=</script>)', page, maxsplit=1, flags=re.DOTALL)
+    facts = json.loads(data)
+    facts["figures"] = [figure for figure in facts["figures"] if figure["name"] not in timed]
+    return head + json.dumps(facts) + rest
 
 
 def _without_measured(facts):
