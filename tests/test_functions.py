@@ -265,6 +265,16 @@ def test_values_that_no_vertex_can_have_are_refused(tmp_path):
         read_vertex_values(tmp_path / "seam.ply", "heat", solid.points)
     with pytest.raises(MeshFormatError, match="1 vertices of the surface are at no vertex of the file"):
         read_vertex_values(tmp_path / "seam.ply", "heat", np.vstack([solid.points[1:], [[0.1, 0.2, 0.3]]]))
+    write_ply(
+        tmp_path / "near.ply", replace(doubled, points=np.vstack([solid.points, solid.points[:1] + 1e-9])), values
+    )
+    assert np.array_equal(read_vertex_values(tmp_path / "near.ply", "heat", solid.points), values[:-1])
+    with pytest.raises(MeshFormatError, match=rf"several values where vertices are merged, 0 and {len(values) - 1} at"):
+        read_vertex_values(tmp_path / "near.ply", "heat", solid.points, tolerance=1e-8)
+    values[3] = np.inf
+    write_ply(tmp_path / "near.ply", doubled, values)
+    with pytest.raises(MeshFormatError, match=r"1 values of heat are not finite; the first is inf in row 3 from 0"):
+        read_vertex_values(tmp_path / "near.ply", "heat", solid.points)
 
 
 # Stages

@@ -99,8 +99,19 @@ def test_another_nursery_takes_the_place_of_one_that_was_killed_and_its_jobs_end
     os.kill(loaded, signal.SIGKILL)
     thread.join(60)
     wait_until(lambda: not job.is_running())
-    assert failed
+    assert "the process ended of which all jobs are forks" in str(failed[0])
     assert run(nursery)[0] != loaded
+
+
+@pytest.mark.parametrize("held", [signal.default_int_handler, signal.SIG_IGN])
+def test_jobs_take_an_interrupt_as_the_run_does(nursery, held):
+    before = signal.signal(signal.SIGINT, held)
+    try:
+        command = "import signal\nopen('held', 'w').write(str(signal.getsignal(signal.SIGINT) is signal.SIG_IGN))"
+        run(nursery, command)
+    finally:
+        signal.signal(signal.SIGINT, before)
+    assert Path("held").read_text() == str(held is signal.SIG_IGN)
 
 
 def test_nothing_stays_behind_a_process_that_is_killed(nursery):

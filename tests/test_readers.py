@@ -245,6 +245,12 @@ def test_the_widest_edges_are_kept():
         assert sorted(found.order.tolist()) == list(range(12)) and (found.parent < np.arange(12)).all()
 
 
+def test_of_edges_between_the_same_nodes_the_widest_is_kept():
+    forest = span_forest(3, [[0, 1], [1, 0], [1, 2], [2, 0], [1, 2]], [1.0, 3.0, 2.0, 1.0, 2.0])
+    assert forest.order.tolist() == [0, 1, 2] and forest.parent.tolist() == [-1, 0, 1]
+    assert forest.cut.tolist() == [0, 3, 4]
+
+
 def test_a_child_before_its_parent_is_no_swc():
     with pytest.raises(ValueError, match="must come before"):
         swc_text(np.zeros((2, 3)), [1, 1], [1, -1], {})

@@ -20,6 +20,7 @@ from reebslice.graphs.face_grid import build_grid, find_candidates
 from reebslice.graphs.flat_pairs import cancel_pairs, find_flat_pairs
 from reebslice.graphs.solid_by_rays import solid_graph_by_rays
 from reebslice.graphs.voids import void_mesh, void_reeb_graph
+from reebslice.handles.sides import link_areas
 from reebslice.slicing import graph_slices
 from test_laws import cases
 
@@ -122,6 +123,32 @@ def test_a_surface_that_crosses_itself_is_sliced():
     assert solid_graph_by_rays(mesh, graph, one_body(mesh)) is None
     found, expected = (make(mesh, graph, one_body(mesh)) for make in (rayed_solid_graph, sliced_solid_graph))
     assert all((a == b).all() for a, b in zip(found, expected))
+
+
+def count_links(mesh):
+    """How many extrema there are of each kind: minimum or not, sign of the area of the link."""
+    graph = surface_reeb_graph(mesh)
+    ends = np.flatnonzero(np.bincount(graph.arcs.ravel()) == 1)
+    lower = np.isin(ends, graph.arcs[:, 0]).tolist()
+    return Counter(zip(lower, np.sign(link_areas(mesh, graph.nodes[ends])).tolist()))
+
+
+@pytest.mark.parametrize("high", [3, 2])
+def test_a_pin_that_fills_a_pocket_or_a_void_changes_no_graph(high):
+    """Its vertices are at the places of the pocket's: no ray can tell, and what is an outer contour stays one."""
+    block = np.ones((4, 4, 3), bool)
+    block[1:3, 1:3, 1:high] = False
+    block, pin = solids.voxels(block), solids.move(solids.voxels(np.ones((2, 2, high - 1), bool)), [1.0, 1.0, 1.0])
+    both = solids.unite(block, pin)
+    body = np.repeat([0, 1], [len(block.points), len(pin.points)]).astype(np.int32)
+    mesh = turned(both, None)
+    assert solid_graph_by_rays(mesh, surface_reeb_graph(mesh), one_body(mesh)) is None
+    graphs = [exact_graphs(both.points, both.faces, None, body)[1]]
+    graphs += [exact_graphs(one.points, one.faces)[1] for one in (block, pin)]
+    together, *alone = (sorted(map(tuple, graph.height[graph.arcs].tolist())) for graph in graphs)
+    assert together == sorted(alone[0] + alone[1])
+    signs = [count_links(turned(solid, None)) for solid in (both, block, pin)]
+    assert signs[0] == signs[1] + signs[2]
 
 
 def test_noise_for_which_slices_have_no_room_has_its_graphs(monkeypatch):

@@ -7,7 +7,7 @@ functions.json the certificates.
 import numpy as np
 
 from corpus.stages import Rejected
-from corpus.storage import write_json, write_table, write_text
+from corpus.storage import read_json, write_json, write_table, write_text
 from corpus.surfaces import read_faces, read_points
 from reebslice.certification.functions import certify_function
 from reebslice.errors import ReebsliceError
@@ -33,10 +33,11 @@ def main(source, target, options):
     options : `functions`, their names; `path`, the mesh file, where one of them is to be read.
     """
     points, faces = read_points(source), read_faces(source)
+    tolerance = read_json(source / "inspection.json")["tolerance"]
     parts, verdicts = {"function_values": [], "function_nodes": [], "function_arcs": []}, {}
     for name in options["functions"]:
         try:
-            values = _take_values(name, points, faces, options)
+            values = _take_values(name, points, faces, options, tolerance)
             graph = graph_function(name, values, points, faces)
         except (ReebsliceError, OSError) as fault:  # the other functions have their graphs all the same
             verdicts[name] = {"verdict": "rejected", "reason": f"no graph of the function {name}: {fault}"}
@@ -56,8 +57,8 @@ def main(source, target, options):
     write_json(target / "functions.json", {"function_verdicts": told, "functions": verdicts})
 
 
-def _take_values(name, points, faces, options):
+def _take_values(name, points, faces, options, tolerance):
     """The values (n,) of a function."""
     if name in MADE:
         return MADE[name](points, faces)
-    return read_vertex_values(options["path"], name.removeprefix("file:"), points)
+    return read_vertex_values(options["path"], name.removeprefix("file:"), points, tolerance)

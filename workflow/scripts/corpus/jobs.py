@@ -29,6 +29,9 @@ START = (
 )
 
 
+PATIENCE = 10  # seconds that the nursery may take to end
+
+
 class JobError(Exception):
     """A job came to no good end; its log says why."""
 
@@ -93,7 +96,14 @@ class Nursery:
                 pipe.send((name, job))
                 pipe.recv()
             except (EOFError, OSError):
-                raise JobError(f"{name} came to no good end; its log is {job.log}") from None
+                raise JobError(f"{name} came to no good end{self._say_end()}; its log is {job.log}") from None
+
+    def _say_end(self):
+        """Say that the nursery has ended, if so."""
+        with suppress(subprocess.TimeoutExpired):
+            self._process.wait(0.2)  # which the end of a job may come a little before
+            return ", as the process ended of which all jobs are forks; another takes its place, so start the run again"
+        return ""
 
     def _hand_over(self, end):
         """Have the nursery fork a process that talks through this socket; start it if it is not there, or no more."""
@@ -114,6 +124,9 @@ class Nursery:
     def _close(control, process):
         """End a nursery, with what it forked, and wait until it has ended."""
         control.close()
+        with suppress(subprocess.TimeoutExpired):
+            process.wait(PATIENCE)
+        process.kill()
         process.wait()
 
 
@@ -138,7 +151,7 @@ def serve(number, modules):
 
     Ends when the other end is closed, which the system does for a process that is killed, too.
     """
-    signal.signal(signal.SIGINT, signal.SIG_IGN)  # a user's Ctrl-C is for the jobs
+    interrupted = signal.signal(signal.SIGINT, signal.SIG_IGN)  # a user's Ctrl-C is for the jobs, unless ignored
     control, nursery = socket.socket(fileno=number), os.getpid()
     with suppress(Exception):  # the job that needs it says what is wrong
         for name in modules:
@@ -151,7 +164,7 @@ def serve(number, modules):
         if not message:
             return
         if os.fork() == 0:
-            signal.signal(signal.SIGINT, signal.default_int_handler)
+            signal.signal(signal.SIGINT, interrupted)
             control.close()
             die_with(nursery)
             _work(Connection(ends[0]))

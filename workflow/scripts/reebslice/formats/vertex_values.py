@@ -5,6 +5,7 @@ from pathlib import Path
 import numpy as np
 import pyarrow as pa
 import pyarrow.parquet as pq
+from scipy.spatial import cKDTree
 
 from ..errors import MeshFormatError
 from ..mesh.faults import format_point
@@ -19,7 +20,7 @@ def find_values_file(path):
     return Path(path).with_suffix(ENDING)
 
 
-def read_vertex_values(path, name, points):
+def read_vertex_values(path, name, points, tolerance=0.0):
     """Read a function on a surface from the mesh file, or from the file beside it where there is one.
 
     Parameters
@@ -30,6 +31,8 @@ def read_vertex_values(path, name, points):
         Of the property, or of the column, which has a number for each vertex in the order of the file.
     points : (n, 3) float64
         Vertices of the surface that was made of it.
+    tolerance : float
+        Within which vertices of the file may have been merged, as a part of the largest extent.
 
     Returns
     -------
@@ -39,8 +42,8 @@ def read_vertex_values(path, name, points):
     Raises
     ------
     MeshFormatError
-        There are no such values, not as many as vertices, two at one place that differ, or none at a vertex of the
-        surface, since a repair moved it.
+        There are no such values, not as many as vertices, some are not finite, two that were merged differ, or none
+        is at a vertex of the surface, since a repair moved it.
     """
     mesh, beside = read_mesh(path), find_values_file(path)
     if beside.is_file():
@@ -56,6 +59,8 @@ def read_vertex_values(path, name, points):
             f"{beside.name} has {len(values)} rows, but the mesh file {len(mesh.points)} vertices: one row for each, in"
             " the order of the file."
         )
+    _check_finite(values, mesh.points, name)
+    _check_merged(mesh.points, values, points, tolerance * np.ptp(mesh.points, axis=0).max(), name)
     return _look_up(mesh.points, values, points, name)
 
 
@@ -69,6 +74,31 @@ def _read_column(path, name):
         return column.cast(pa.float64()).combine_chunks().to_numpy(zero_copy_only=False)
     except (OSError, pa.ArrowException) as fault:
         raise MeshFormatError(f"{path.name} has no numbers {name} that can be read ({fault}).") from None
+
+
+def _check_finite(values, places, name):
+    """Refuse values that are no numbers."""
+    odd = np.flatnonzero(~np.isfinite(values))
+    if len(odd):
+        raise MeshFormatError(
+            f"{len(odd)} values of {name} are not finite; the first is {values[odd[0]]:g} in row {odd[0]} from 0,"
+            f" at {format_point(places[odd[0]])}."
+        )
+
+
+def _check_merged(places, values, points, distance, name):
+    """Refuse values of vertices of the file that were merged into one of another value."""
+    away, nearest = cKDTree(places).query(points)
+    of_point = values[nearest]
+    pairs = cKDTree(points).query(places, distance_upper_bound=max(distance, np.finfo(float).tiny))
+    merged = np.flatnonzero((pairs[0] > 0) & np.isfinite(pairs[0]))
+    torn = merged[(values[merged] != of_point[pairs[1][merged]]) & (away[pairs[1][merged]] == 0)]
+    if len(torn):
+        at = pairs[1][torn[0]]
+        raise MeshFormatError(
+            f"{name} has several values where vertices are merged, {of_point[at]:g} and {values[torn[0]]:g} at"
+            f" {format_point(points[at])}, for {len(torn)} vertices: give vertices that are merged one value."
+        )
 
 
 def _look_up(places, values, points, name):

@@ -44,9 +44,11 @@ def solid_graph_by_rays(mesh, graph, body_of_vertex):
     -------
     (A, 2) int64 or None
         Arcs between places in `graph.nodes`, the lower end first, in lexicographic order; nodes and order of events
-        are those of the ranks. None where contours fit no solid, or sheets touch so that rational numbers do not
-        tell either which contour is around which.
+        are those of the ranks. None where contours fit no solid, where two vertices are at one place, or sheets
+        touch so that rational numbers do not tell either which contour is around which.
     """
+    if _touches_itself(mesh):
+        return None
     into = find_gates(mesh.faces, mesh.twins, len(mesh.points)).into
     inner = find_inner_arcs(mesh, graph, into)
     if inner is None:
@@ -61,7 +63,19 @@ def solid_graph_by_rays(mesh, graph, body_of_vertex):
         if arc is None:
             return None
         host[place] = arc
+    hosted = np.flatnonzero(host >= 0)
+    ends = graph.arcs[host[hosted]]
+    if not ((ends[:, 0] < hosted) & (hosted < ends[:, 1])).all():
+        return None
     return _subdivide(graph.arcs[~inner], host, np.cumsum(~inner) - 1)
+
+
+def _touches_itself(mesh):
+    """Whether two vertices are at one place, where no ray tells sheets of the surface apart.
+
+    Copies of an unfolded saddle are one vertex; and what is at one place is next to each other in order.
+    """
+    return ((mesh.points[1:] == mesh.points[:-1]).all(axis=1) & (mesh.vertex[1:] != mesh.vertex[:-1])).any()
 
 
 def _events_of_holes(graph, inner):

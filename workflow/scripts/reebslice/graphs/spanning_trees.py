@@ -33,7 +33,7 @@ def span_forest(count, ends, width):
     count : int
         Nodes. The first one of each component is the root of its tree.
     ends : (E, 2) int
-        Edges, no two between the same nodes and none from a node to itself.
+        Edges, none from a node to itself.
     width : (E,) float64
         Of equally wide edges the first ones are kept.
 
@@ -45,7 +45,10 @@ def span_forest(count, ends, width):
     ends = np.asarray(ends, np.int64).reshape(-1, 2)
     rank = np.empty(len(ends))
     rank[np.argsort(-np.asarray(width, float), kind="stable")] = np.arange(1, len(ends) + 1)
-    tree = minimum_spanning_tree(csr_array((rank, tuple(ends.T)), shape=(count, count)))
+    order = np.lexsort((rank, ends.max(axis=1), ends.min(axis=1)))
+    pairs = np.sort(ends[order], axis=1)
+    widest = order[np.append(True, (pairs[1:] != pairs[:-1]).any(axis=1))[: len(order)]]  # of those between two nodes
+    tree = minimum_spanning_tree(csr_array((rank[widest], tuple(ends[widest].T)), shape=(count, count)))
     kept = np.zeros(len(ends) + 1, bool)
     kept[tree.data.astype(np.int64)] = True
     order, above = [], np.full(count, -1)

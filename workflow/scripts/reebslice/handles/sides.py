@@ -31,9 +31,17 @@ def link_areas(mesh, vertices):
     tilt = exact_tilt(mesh.points) if doubtful else None
     for k in doubtful:
         is_minimum = gate[k] % 3 == 0 and mesh.faces[gate[k] // 3, 0] == vertices[k]
-        hole = turns_around_hole(mesh, gate[k], int(vertices[k]) + int(is_minimum), tilt)
+        hole = turns_around_hole(mesh, gate[k], _next_cut(mesh.points, int(vertices[k]), is_minimum), tilt)
         area[k] = np.finfo(float).tiny * (1 if hole == is_minimum else -1)
     return area
+
+
+def _next_cut(points, v, is_minimum):
+    """The cut next to an extremum on the side of its contour, beyond all vertices at the same place."""
+    cut = v + int(is_minimum)
+    while (points[cut if is_minimum else cut - 1] == points[v]).all():
+        cut += 1 if is_minimum else -1
+    return cut
 
 
 @njit
