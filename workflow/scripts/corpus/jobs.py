@@ -110,7 +110,7 @@ class Nursery:
         with self._lock:
             if self._process is None or self._process.poll() is not None:
                 self._start()
-            socket.send_fds(self._control, [b"job"], [end.fileno()])
+            socket.send_fds(self._control, [b"j"], [end.fileno()])
 
     def _start(self):
         self._control, far = socket.socketpair()
@@ -160,7 +160,7 @@ def serve(number, modules):
             sys.modules["reebslice.kernels"].do_nothing()
     gc.freeze()
     while True:
-        message, ends, *_ = socket.recv_fds(control, 16, 1)
+        message, ends, *_ = socket.recv_fds(control, 1, 1)
         if not message:
             return
         if os.fork() == 0:
