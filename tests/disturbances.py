@@ -82,25 +82,25 @@ def kill_main(round):
 
 def kill_job(round):
     """The process of a job is killed."""
-    _kill_one(round, lambda nursery: nursery.children())
+    _kill_one(round, lambda server: server.children())
 
 
 def kill_worker(round):
     """The process that works on a model is killed, as where memory runs out."""
-    _kill_one(round, lambda nursery: [worker for job in nursery.children() for worker in job.children()])
+    _kill_one(round, lambda server: [worker for job in server.children() for worker in job.children()])
 
 
-def kill_nursery(round):
+def kill_fork_server(round):
     """The process is killed of which all jobs are forks."""
-    _kill_one(round, lambda nursery: [nursery])
+    _kill_one(round, lambda server: [server])
 
 
 def _kill_one(round, choose):
     process = start(round.folder)
     round.wait(process)
     with suppress(psutil.NoSuchProcess, IndexError):
-        (nursery,) = [each for each in psutil.Process(process.pid).children() if "corpus.jobs" in str(each.cmdline())]
-        round.random.choice(choose(nursery)).kill()
+        (server,) = [each for each in psutil.Process(process.pid).children() if "corpus.jobs" in str(each.cmdline())]
+        round.random.choice(choose(server)).kill()
         round.note += " hit"
     finish(process)
 
@@ -233,7 +233,7 @@ FAULTS = (
     fill_disk,
     edit_before,
     kill_job,
-    kill_nursery,
+    kill_fork_server,
     edit_during,
     kill_main,
     replace_mesh,

@@ -119,3 +119,10 @@ def test_centrelines_are_written_for_other_programs(tmp_path):
     trace_centrelines.main(knot, again, {"distance": 0.005, "prune": 1.5})
     for path in again.iterdir():
         assert path.read_bytes() == (tmp_path / path.name).read_bytes()
+
+
+@pytest.mark.parametrize("scale", [1e-150, 1e100])
+def test_a_mesh_in_a_unit_that_floats_have_no_volumes_in_is_refused(scale):
+    solid = solids.torus()
+    with pytest.raises(ReebsliceError, match="volumes are no floats: take another unit"):
+        find_centrelines(solid.points * scale, solid.faces)

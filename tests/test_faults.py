@@ -62,3 +62,7 @@ def test_planning_shows_no_traceback_whatever_it_finds(folder):
     (folder / "results/corpus/models.parquet").write_bytes(b"")
     code, said = run(folder, "-n")
     assert code == 0 and "Traceback" not in said and "loop.off (no file: Too many levels of symbolic links)" in said
+    shutil.rmtree(folder / "results/logs/draw")
+    (folder / "results/logs/draw").touch()
+    code, said = run(folder)
+    assert code and "Traceback" not in said and "results/logs/draw has to be a folder, but is none: move it" in said

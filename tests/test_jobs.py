@@ -1,4 +1,4 @@
-"""Jobs as forks of the nursery: what they find loaded, how they end, and that nothing stays behind."""
+"""Jobs as forks of one process: what they find loaded, how they end, and that nothing stays behind."""
 
 import os
 import signal
@@ -9,7 +9,7 @@ from threading import Thread
 import psutil
 import pytest
 
-from corpus.jobs import Job, JobError, Nursery
+from corpus.jobs import ForkServer, Job, JobError
 
 SCRIPTS = Path(__file__).parent.parent / "workflow" / "scripts"
 MODULE = """
@@ -24,16 +24,16 @@ def gather(job):
 
 
 @pytest.fixture
-def nursery(tmp_path, monkeypatch):
+def server(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     Path("modules").mkdir()
     Path("modules/tiny_stage.py").write_text(MODULE)
     monkeypatch.setenv("PYTHONPATH", str(tmp_path / "modules"))
-    return Nursery(SCRIPTS, ["tiny_stage"])
+    return ForkServer(SCRIPTS, ["tiny_stage"])
 
 
-def run(nursery, command="pass", name="a"):
-    nursery.run("tiny_stage", Job.describe({}, {"table": f"{name}.txt"}, {"command": command}, f"logs/{name}.log", {}))
+def run(server, command="pass", name="a"):
+    server.run("tiny_stage", Job.describe({}, {"table": f"{name}.txt"}, {"command": command}, f"logs/{name}.log", {}))
     return [int(word) for word in Path(f"{name}.txt").read_text().split()]
 
 
@@ -44,17 +44,17 @@ def wait_until(holds):
         time.sleep(0.01)
 
 
-def test_jobs_are_forks_of_one_process_that_has_loaded_their_module(nursery):
-    loaded, first, parent = run(nursery)
+def test_jobs_are_forks_of_one_process_that_has_loaded_their_module(server):
+    loaded, first, parent = run(server)
     assert loaded == parent != first
-    again, second, _ = run(nursery, name="b")
+    again, second, _ = run(server, name="b")
     assert again == loaded and second != first
     assert Path("logs/a.log").read_text() == "at work\n"
 
 
-def test_jobs_run_side_by_side(nursery):
+def test_jobs_run_side_by_side(server):
     wait = "open('{0}', 'w')\nwhile not os.path.exists('{1}'): time.sleep(0.01)"
-    threads = [Thread(target=run, args=(nursery, wait.format(*pair), pair[0])) for pair in ("xy", "yx")]
+    threads = [Thread(target=run, args=(server, wait.format(*pair), pair[0])) for pair in ("xy", "yx")]
     for thread in threads:
         thread.start()
     for thread in threads:
@@ -62,33 +62,33 @@ def test_jobs_run_side_by_side(nursery):
     assert Path("x.txt").exists() and Path("y.txt").exists()
 
 
-def test_what_ends_a_job_ends_no_other_and_is_told(nursery, capfd):
-    loaded, *_ = run(nursery)
+def test_what_ends_a_job_ends_no_other_and_is_told(server, capfd):
+    loaded, *_ = run(server)
     with pytest.raises(JobError, match=r"tiny_stage came to no good end; its log is logs/b\.log"):
-        run(nursery, "raise ValueError('there is no such thing')", "b")
+        run(server, "raise ValueError('there is no such thing')", "b")
     assert Path("logs/b.log").read_text().splitlines()[-1] == "This job ended: ValueError: there is no such thing"
     assert "logs/b.log: This job ended: ValueError: there is no such thing" in capfd.readouterr().err
     with pytest.raises(JobError):
-        run(nursery, "os.kill(os.getpid(), 9)", "c")
+        run(server, "os.kill(os.getpid(), 9)", "c")
     with pytest.raises(JobError):
-        run(nursery, "os._exit(0)", "d")
-    assert run(nursery)[0] == loaded
+        run(server, "os._exit(0)", "d")
+    assert run(server)[0] == loaded
 
 
-def test_a_module_that_cannot_be_loaded_is_told_by_its_job(nursery):
+def test_a_module_that_cannot_be_loaded_is_told_by_its_job(server):
     Path("modules/tiny_stage.py").write_text("import no_such_package")
     with pytest.raises(JobError):
-        run(nursery)
+        run(server)
     assert "No module named 'no_such_package'" in Path("logs/a.log").read_text()
 
 
-def test_another_nursery_takes_the_place_of_one_that_was_killed_and_its_jobs_end_with_it(nursery):
-    loaded, *_ = run(nursery)
+def test_another_process_takes_the_place_of_one_that_was_killed_and_its_jobs_end_with_it(server):
+    loaded, *_ = run(server)
     failed = []
 
     def run_long():
         try:
-            run(nursery, "open('started', 'w')\ntime.sleep(600)", "b")
+            run(server, "open('started', 'w')\ntime.sleep(600)", "b")
         except JobError as error:
             failed.append(error)
 
@@ -100,26 +100,26 @@ def test_another_nursery_takes_the_place_of_one_that_was_killed_and_its_jobs_end
     thread.join(60)
     wait_until(lambda: not job.is_running())
     assert "the process ended of which all jobs are forks" in str(failed[0])
-    assert run(nursery)[0] != loaded
+    assert run(server)[0] != loaded
 
 
 @pytest.mark.parametrize("held", [signal.default_int_handler, signal.SIG_IGN])
-def test_jobs_take_an_interrupt_as_the_run_does(nursery, held):
+def test_jobs_take_an_interrupt_as_the_run_does(server, held):
     before = signal.signal(signal.SIGINT, held)
     try:
         command = "import signal\nopen('held', 'w').write(str(signal.getsignal(signal.SIGINT) is signal.SIG_IGN))"
-        run(nursery, command)
+        run(server, command)
     finally:
         signal.signal(signal.SIGINT, before)
     assert Path("held").read_text() == str(held is signal.SIG_IGN)
 
 
-def test_nothing_stays_behind_a_process_that_is_killed(nursery):
+def test_nothing_stays_behind_a_process_that_is_killed(server):
     near, far = os.pipe()
     child = os.fork()
     if child == 0:
         try:
-            os.write(far, b"%d" % run(nursery)[0])
+            os.write(far, b"%d" % run(server)[0])
             time.sleep(600)
         finally:
             os._exit(1)

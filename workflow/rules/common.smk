@@ -39,7 +39,7 @@ from corpus.code_digest import compiled_code_folder, digest_code, read_outputs
 from corpus.configuration import CONFIG_FILE, ConfigError, check_config, describe_sources, restore_texts
 from corpus.console import show_progress
 from corpus.discovery import CorpusError, find_models, pick_models
-from corpus.jobs import Job, JobError, Nursery, wait_in_threads
+from corpus.jobs import Job, JobError, ForkServer, wait_in_threads
 from corpus.layout import (
     ASKED_FOR,
     BEFORE,
@@ -52,7 +52,7 @@ from corpus.layout import (
 )
 from corpus.outcome import close_idle_runs, list_first, tell_outcome
 from corpus.process import find_full_disks, find_last_words
-from corpus.promises import find_altered, find_broken_promises
+from corpus.promises import find_altered, find_blocked_folders, find_broken_promises
 from corpus.receipts import forget_stage
 from corpus.sample_sheet import read_sheet
 from corpus.shared_files import check_file_sharing
@@ -147,6 +147,8 @@ def withdraw_table(table):
 WITHDRAWN = []
 WISHES = []  # files of models that are asked for
 if workflow.is_main_process:
+    if BLOCKED := find_blocked_folders(BEFORE):
+        raise WorkflowError(f"{BLOCKED[0]} has to be a folder, but is none: move it elsewhere, or delete it")
     OUTPUTS = {stage: read_outputs(SCRIPTS / f"{stage}.py") for stage in BEFORE}
     CHOSEN_OUTPUTS = {stage: OUTPUTS[stage] for stage in CHOSEN}
     WITHDRAWN = find_broken_promises(BATCHES, CHOSEN_OUTPUTS, config["verify"])
@@ -281,14 +283,14 @@ def gathering_runtime(wildcards, attempt):
 # Jobs ------------------------------------------------------------------------
 
 # In a job's own Snakemake, as on a cluster, there is one job, which loads what it needs.
-NURSERY = Nursery(SCRIPTS, CHOSEN if workflow.is_main_process else ())
+FORK_SERVER = ForkServer(SCRIPTS, CHOSEN if workflow.is_main_process else ())
 wait_in_threads(workflow)
 
 
 def run_job(name, input, output, params, log):
     """Run a job: a stage over a batch, or what is made of the results of all."""
     try:
-        NURSERY.run(name, Job.describe(input, output, params, log, config["limits"]))
+        FORK_SERVER.run(name, Job.describe(input, output, params, log, config["limits"]))
     except JobError as error:
         raise WorkflowError(str(error)) from None
 

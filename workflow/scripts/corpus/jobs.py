@@ -1,9 +1,10 @@
 """Jobs as forks of one process that has loaded what they need.
 
 A job on small models takes some hundredths of a second, and loading numba,
-scipy and the rest a hundred times that. So a run loads them once: a process of
-its own, the nursery, imports the modules of the stages, and every job is a fork
-of it. It is started by the first job and ends with the process that started it.
+scipy and the rest a hundred times that. So a run loads them once: a fork
+server, a process of its own, imports the modules of the stages, and every job is
+a fork of it. It is started by the first job and ends with the process that started
+it. (That of `multiprocessing` would run the main module, Snakemake's, in every fork.)
 """
 
 import atexit
@@ -29,7 +30,7 @@ START = (
 )
 
 
-PATIENCE = 10  # seconds that the nursery may take to end
+PATIENCE = 10  # seconds that the fork server may take to end
 
 
 class JobError(Exception):
@@ -60,7 +61,7 @@ def _plain(names):
     return SimpleNamespace(**{name: list(each) if isinstance(each, list) else each for name, each in names.items()})
 
 
-class Nursery:
+class ForkServer:
     """Runs jobs, each in a process of its own in which the modules of stages are loaded.
 
     Parameters
@@ -99,14 +100,14 @@ class Nursery:
                 raise JobError(f"{name} came to no good end{self._say_end()}; its log is {job.log}") from None
 
     def _say_end(self):
-        """Say that the nursery has ended, if so."""
+        """Say that the fork server has ended, if so."""
         with suppress(subprocess.TimeoutExpired):
             self._process.wait(0.2)  # which the end of a job may come a little before
             return ", as the process ended of which all jobs are forks; another takes its place, so start the run again"
         return ""
 
     def _hand_over(self, end):
-        """Have the nursery fork a process that talks through this socket; start it if it is not there, or no more."""
+        """Have the server fork a process that talks through this socket; start it if it is not there, or no more."""
         with self._lock:
             if self._process is None or self._process.poll() is not None:
                 self._start()
@@ -122,7 +123,7 @@ class Nursery:
 
     @staticmethod
     def _close(control, process):
-        """End a nursery, with what it forked, and wait until it has ended."""
+        """End a fork server, with what it forked, and wait until it has ended."""
         control.close()
         with suppress(subprocess.TimeoutExpired):
             process.wait(PATIENCE)
@@ -147,12 +148,12 @@ def wait_in_threads(workflow):
 
 
 def serve(number, modules):
-    """Be the nursery: load the modules, then fork for every socket that comes through that of this file number.
+    """Be the fork server: load the modules, then fork for every socket that comes through that of this file number.
 
     Ends when the other end is closed, which the system does for a process that is killed, too.
     """
     interrupted = signal.signal(signal.SIGINT, signal.SIG_IGN)  # a user's Ctrl-C is for the jobs, unless ignored
-    control, nursery = socket.socket(fileno=number), os.getpid()
+    control, server = socket.socket(fileno=number), os.getpid()
     with suppress(Exception):  # the job that needs it says what is wrong
         for name in modules:
             import_module(name)
@@ -166,7 +167,7 @@ def serve(number, modules):
         if os.fork() == 0:
             signal.signal(signal.SIGINT, interrupted)
             control.close()
-            die_with(nursery)
+            die_with(server)
             _work(Connection(ends[0]))
         os.close(ends[0])
         with suppress(ChildProcessError):

@@ -35,6 +35,19 @@ def vouch(stage, rows, outputs):
     return [row | {"stamp": _stamp(row, _stat_files(row["model"]), receipt_name(stage), *outputs)} for row in rows]
 
 
+def find_blocked_folders(stages):
+    """Return the paths at which a folder of results has to be, and something else is.
+
+    Parameters
+    ----------
+    stages : iterable of str
+    """
+    logs = STATUS_FOLDER.with_name("logs")
+    tops = [STATUS_FOLDER.parent, STATUS_FOLDER, logs, MODELS_FOLDER, MODELS_TABLE.parent]
+    folders = [*tops, *(top / stage for top in (STATUS_FOLDER, logs) for stage in stages)]
+    return [str(folder) for folder in folders if folder.exists() and not folder.is_dir()]
+
+
 def find_broken_promises(batches, outputs, verify=False):
     """Return the tables that promise what is not there: of every batch the first ones, and that of all models.
 

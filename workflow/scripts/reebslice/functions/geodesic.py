@@ -8,10 +8,9 @@ minutes on the slivers of CAD models. The graph is exact for the function that i
 from typing import Any
 
 import numpy as np
-import scipy.sparse as sparse
 from numpy.typing import ArrayLike
-from scipy.sparse.csgraph import connected_components
 
+from ..arrays.components import connected_items
 from ..errors import ReebsliceError
 from .canonical_order import canonical_surface
 
@@ -55,7 +54,7 @@ def geodesic_distance(points: Any, faces: ArrayLike | None = None) -> np.ndarray
     3
     """
     surface = canonical_surface(points, faces)
-    shell = _find_shells(surface.faces, len(surface.points))
+    shell = connected_items(surface.faces[:, :2].ravel(), surface.faces[:, 1:].ravel(), len(surface.points))
     values = np.empty(len(surface.points))
     place = np.empty(len(shell), np.int64)
     # one shell at a time: in a shell without a tip the heat method gives numbers, too, which mean nothing
@@ -66,13 +65,6 @@ def geodesic_distance(points: Any, faces: ArrayLike | None = None) -> np.ndarray
             surface.points[chosen], place[surface.faces[shell[surface.faces[:, 0]] == number]]
         )
     return surface.spread(values)
-
-
-def _find_shells(faces, count):
-    """The shell of each vertex, (count,) int32."""
-    ends = faces[:, [0, 1, 1, 2]].reshape(-1, 2)
-    links = sparse.coo_array((np.ones(len(ends), bool), tuple(ends.T)), shape=(count, count))
-    return connected_components(links, directed=False)[1]
 
 
 def _distance_from_tip(points, faces):

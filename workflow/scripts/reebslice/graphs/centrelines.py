@@ -25,6 +25,8 @@ from ..slicing.rings import measure_rings
 from .branch_points import move_branch_points, trim_end
 from .branches import Branches, path_lengths
 
+SMALL = 1e-75  # mesh units; of an extent below, or above its inverse, volumes and squares of areas are no floats
+
 
 class Centrelines(NamedTuple):
     """Centrelines of a surface: P points in B branches.
@@ -84,7 +86,8 @@ def find_centrelines(
     Raises
     ------
     NotASolidError, ReebsliceError
-        As of `height_mesh`, of `geodesic_distance`, of :func:`.value_mesh`; or a number is out of range.
+        As of `height_mesh`, of `geodesic_distance`, of :func:`.value_mesh`; or a number, or the extent of the mesh, is
+        out of range.
     TooManyCrossingsError
         The distance is too small.
 
@@ -96,6 +99,11 @@ def find_centrelines(
     1
     """
     points, faces = take_mesh(points, faces)
+    extent = np.ptp(points, axis=0).max()
+    if not SMALL < extent < 1 / SMALL:
+        raise ReebsliceError(
+            f"the mesh has an extent of {extent:.3g}, of which volumes are no floats: take another unit."
+        )
     values = geodesic_distance(points, faces) if values is None else values
     mesh = HeightMesh(*value_mesh(values, points, faces))
     low, high = mesh.points[[0, -1], 2]

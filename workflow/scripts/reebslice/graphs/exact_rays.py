@@ -35,8 +35,8 @@ def exact_host(mesh, graph, inner, place, crossed, tilt):
     Returns
     -------
     int or None
-        The arc. None where the contours around the event fit no solid, or one passes through the start of the ray,
-        as where sheets touch.
+        The arc. None where the contours around the event fit no solid, one passes through the start of the ray, or
+        the ray leaves two of them at one place, as where sheets touch.
     """
     plane = _Plane(mesh, int(graph.nodes[place]), tilt)
     own = graph.arcs[crossed[1], 1] == place
@@ -56,7 +56,8 @@ def exact_host(mesh, graph, inner, place, crossed, tilt):
     around = {arc: turns for arc, turns in winding.items() if turns}
     if sum(around.values()) != 1 or any(turns != (-1 if inner[arc] else 1) for arc, turns in around.items()):
         return None
-    return min((arc for arc, turns in around.items() if turns > 0), key=last.get)
+    first, *others = sorted((arc for arc, turns in around.items() if turns > 0), key=last.get)
+    return None if others and last[others[0]] == last[first] else first
 
 
 def _near_line(mesh, faces, start):

@@ -39,7 +39,6 @@ def find_inner_arcs(mesh: HeightMesh, graph: ReebGraph, into: np.ndarray) -> np.
         those of a surface that crosses itself may.
     """
     count = len(graph.nodes)
-    count = len(graph.nodes)
     incident = list_incidence(graph.arcs, count)
     inner = np.full(len(graph.arcs), -1, np.int8)
     ends = np.flatnonzero(np.diff(incident.start) == 1)

@@ -263,11 +263,8 @@ def _cross_ray(px, py, qx, qy, rounding):
 
     1 if it runs to the left, -1 if to the right, 0 if it does not cross the ray, UNSURE where rounding hides it.
     """
-    # forward along the ray, and aside from it to the left
-    pt, ps, qt, qs = (
-        TURN[0] * px + TURN[1] * py, TURN[0] * py - TURN[1] * px,
-        TURN[0] * qx + TURN[1] * qy, TURN[0] * qy - TURN[1] * qx,
-    )  # fmt: skip
+    pt, qt = TURN[0] * px + TURN[1] * py, TURN[0] * qx + TURN[1] * qy  # forward along the ray
+    ps, qs = TURN[0] * py - TURN[1] * px, TURN[0] * qy - TURN[1] * qx  # aside from it, to the left
     if max(pt, qt) < -rounding:
         return 0, 0.0, 0.0
     if abs(ps) <= rounding or abs(qs) <= rounding:
