@@ -97,7 +97,7 @@ ALL_WAYS = (
             "--retries",
             "1",
             "--max-jobs-per-timespan",
-            "1/2s",
+            "1/20s",
             *QUICK,
             "--groups",
             *GROUPS,
