@@ -95,7 +95,7 @@ def test_every_key_is_described_in_schema_and_readme():
         ({"loops": {"find": False, "draw": True}}, "loops.draw is true, but loops.find is false"),
         (
             {"functions": ["geodesics"]},
-            "functions[0] is 'geodesics': must be geodesic, barycentre, or file: and a name",
+            "functions[0] is 'geodesics': must be geodesic, barycentre, directions: and a number up to 999, or file: and a name",
         ),
     ],
 )

@@ -22,6 +22,7 @@ from corpus.configuration import check_config
 from corpus.layout import chosen_stages
 from corpus.stages import Rejected
 from corpus.storage import read_table
+from corpus.surfaces import read_faces, read_points
 from reebslice import (
     barycentric_distance,
     geodesic_distance,
@@ -32,7 +33,9 @@ from reebslice import (
 from reebslice.certification.functions import certify_function
 from reebslice.errors import MeshFormatError, ReebsliceError
 from reebslice.formats.vertex_values import read_vertex_values
+from reebslice.functions.heights import spread_axes
 from reebslice.graphs.function_graphs import graph_function
+from reebslice.tilt.choice import rotation_to_vertical
 
 SHAPES = {
     "torus": solids.torus(),
@@ -323,6 +326,35 @@ def test_graphs_of_functions_are_written_with_their_certificates(knot, tmp_path)
         assert part.number_of_edges() - len(part) + nx.number_connected_components(part) == 1
         assert told["functions"][name]["loops"] == 1
         assert values["function"].to_pylist().count(name) == 480
+
+
+def test_graphs_along_spread_directions_are_those_of_the_model_turned(knot, tmp_path):
+    graph_functions.main(knot, tmp_path, {"functions": ["geodesic", "directions:5"]})
+    told = json.loads((tmp_path / "functions.json").read_text())
+    assert told["function_verdicts"] == {"geodesic": "exact", "directions": "exact"}
+    nodes = read_table(tmp_path / "function_nodes.parquet", "function_nodes").to_pandas()
+    points, faces = read_points(knot), read_faces(knot)
+    for number in range(5):
+        up = np.array(told["functions"][f"height:{number}"]["direction"])
+        mesh = height_mesh(points, faces, rotation=rotation_to_vertical(up))
+        expected = mesh.vertex[surface_reeb_graph(mesh).nodes]
+        found = nodes[nodes["function"] == f"height:{number}"]
+        assert found["vertex"].tolist() == expected.tolist()
+        np.testing.assert_allclose(found["value"], points[found["vertex"]] @ up, rtol=1e-12)
+    values = read_table(tmp_path / "function_values.parquet", "function_values")
+    assert set(values["function"].to_pylist()) == {"geodesic"}  # a height is a scalar product with its direction
+
+
+@pytest.mark.parametrize("number", [1, 2, 8, 32, 100])
+def test_directions_are_spread_over_the_half_sphere(number):
+    axes = spread_axes(number)
+    np.testing.assert_allclose(np.linalg.norm(axes, axis=1), 1)
+    assert axes[0].tolist() == [0, 0, 1] and (axes[:, 2] > 0).all()
+    if number > 1:  # of axes, which have no sign: no two near each other, and no gap
+        nearness = np.abs(axes @ axes.T) - 2 * np.eye(number)
+        apart = np.arccos(np.clip(nearness.max(axis=1), 0, 1))
+        even = np.sqrt(2 * np.pi / number)  # side of a square of as much of the half sphere as each has
+        assert 0.5 * even < apart.min() and apart.max() < 1.5 * even
 
 
 def test_of_a_function_that_cannot_be_had_the_sentence_is_told(knot, tmp_path):

@@ -1,7 +1,7 @@
 """Build the Reeb graphs of functions on the surface besides the height, and certify each.
 
 Writes the values of the functions, nodes and arcs of their graphs as tables, the graphs as one GraphML file, and in
-functions.json the certificates.
+functions.json the certificates, and of heights along other directions these in place of their values.
 """
 
 import numpy as np
@@ -15,6 +15,7 @@ from reebslice.formats.graphml import graphml_text
 from reebslice.formats.vertex_values import read_vertex_values
 from reebslice.functions.barycentre import barycentric_distance
 from reebslice.functions.geodesic import geodesic_distance
+from reebslice.functions.heights import directional_height, spread_axes
 from reebslice.graphs.function_graphs import graph_function, merge_graphs, stack_tables
 
 OUTPUTS = (
@@ -25,6 +26,7 @@ OUTPUTS = (
     "functions.json",
 )
 MADE = {"geodesic": geodesic_distance, "barycentre": barycentric_distance}
+WORSE = ("exact", "consistent", "uncertified", "rejected")  # of verdicts the later
 
 
 def main(source, target, options):
@@ -35,17 +37,19 @@ def main(source, target, options):
     points, faces = read_points(source), read_faces(source)
     tolerance = read_json(source / "inspection.json")["tolerance"]
     parts, verdicts = {"function_values": [], "function_nodes": [], "function_arcs": []}, {}
-    for name in options["functions"]:
+    for name, direction in _list_functions(options["functions"]):
+        about = {} if direction is None else {"direction": direction.tolist()}
         try:
-            values = _take_values(name, points, faces, options, tolerance)
+            values = _take_values(name, direction, points, faces, options, tolerance)
             graph = graph_function(name, values, points, faces)
         except (ReebsliceError, OSError) as fault:  # the other functions have their graphs all the same
-            verdicts[name] = {"verdict": "rejected", "reason": f"no graph of the function {name}: {fault}"}
+            verdicts[name] = about | {"verdict": "rejected", "reason": f"no graph of the function {name}: {fault}"}
             continue
         vertices = {"function": [name] * len(values), "vertex": np.arange(len(values)), "value": values}
         for table, part in zip(parts, (vertices, *graph), strict=True):
-            parts[table].append(part)
-        verdicts[name] = certify_function(points, faces, values, *graph)
+            if part is not vertices or direction is None:  # a height is told by its direction
+                parts[table].append(part)
+        verdicts[name] = about | certify_function(points, faces, values, *graph)
     if not parts["function_nodes"] and verdicts:
         raise Rejected(" ".join(one["reason"] for one in verdicts.values()))
     tables = {name: stack_tables(name, part) for name, part in parts.items()}
@@ -53,12 +57,27 @@ def main(source, target, options):
         write_table(target / f"{name}.parquet", name, table)
     merged = merge_graphs(tables["function_nodes"], tables["function_arcs"])
     write_text(target / "functions.graphml", graphml_text(merged, "functions", {"model": source.name}))
-    told = {name: certificate["verdict"] for name, certificate in verdicts.items()}
+    told = {name: certificate["verdict"] for name, certificate in verdicts.items() if "direction" not in certificate}
+    heights = [certificate["verdict"] for certificate in verdicts.values() if "direction" in certificate]
+    if heights:
+        told["directions"] = max(heights, key=WORSE.index)
     write_json(target / "functions.json", {"function_verdicts": told, "functions": verdicts})
 
 
-def _take_values(name, points, faces, options, tolerance):
+def _list_functions(asked):
+    """The names of all functions, each with its direction, or None where it has none."""
+    for name in asked:
+        if name.startswith("directions:"):
+            axes = spread_axes(int(name.removeprefix("directions:")))
+            yield from ((f"height:{number}", axis) for number, axis in enumerate(axes))
+        else:
+            yield name, None
+
+
+def _take_values(name, direction, points, faces, options, tolerance):
     """The values (n,) of a function."""
+    if direction is not None:
+        return directional_height(points, direction)
     if name in MADE:
         return MADE[name](points, faces)
     return read_vertex_values(options["path"], name.removeprefix("file:"), points, tolerance)

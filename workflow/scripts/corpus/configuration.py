@@ -166,6 +166,9 @@ def _contradictions(config):
         for group, key in (("pockets", "cut"), ("loops", "draw"))
         if config[group][key] and not config[group]["find"]
     ]
+    spread = [name for name in config["functions"] if name.startswith("directions:")]
+    if len(spread) > 1:
+        faults.append(f"functions names {' and '.join(spread)}: directions can be spread once, so keep one of them")
     size = max(map(abs, tilt["direction"] or [1.0]))
     if not size:
         faults.append("tilt.direction is the zero vector: at least one of its three numbers must differ from 0")

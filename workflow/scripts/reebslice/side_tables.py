@@ -135,7 +135,7 @@ SIDE_TABLES = {
     ),
     "function_values": table(
         "function, vertex",
-        "The value of a function at a vertex.",
+        "The value of a function at a vertex; not of heights, which `functions.json` has the directions of.",
         ("function", TEXT, "`geodesic`, `barycentre` or `file:` and the name of what was read."),
         ("vertex", INT, "Vertex, a row of `vertices`."),
         ("value", REAL, "Value; of `geodesic` and `barycentre` a length, unit `mesh`."),
@@ -143,7 +143,7 @@ SIDE_TABLES = {
     "function_nodes": table(
         "function, node",
         "A critical point of a function; a node of its exact Reeb graph.",
-        ("function", TEXT, "Function."),
+        ("function", TEXT, "Function; `height:K` for the K-th of the directions."),
         ("node", INT, "Id in the graph of the function, in order of values; multiple saddles are unfolded."),
         ("vertex", INT, "Its vertex, a row of `vertices`."),
         ("rank", INT, "Place of the vertex in the order of values once multiple saddles are unfolded."),
