@@ -36,13 +36,21 @@ from corpus.batches import (
 from corpus.carried_files import flag_files, foretell_report, list_carried
 from corpus.carried_values import describe_values
 from corpus.code_digest import compiled_code_folder, digest_code, read_outputs
-from corpus.configuration import CONFIG_FILE, ConfigError, check_config, describe_sources, restore_texts
+from corpus.configuration import (
+    CONFIG_FILE,
+    ConfigError,
+    check_comparison,
+    check_config,
+    describe_sources,
+    restore_texts,
+)
 from corpus.console import show_progress
 from corpus.discovery import CorpusError, find_models, pick_models
 from corpus.jobs import Job, JobError, ForkServer, wait_in_threads
 from corpus.layout import (
     ASKED_FOR,
     BEFORE,
+    LIKENESS_TABLES,
     MODELS_FOLDER,
     MODELS_TABLE,
     REPORT_PAGE,
@@ -113,6 +121,7 @@ if workflow.is_main_process:
 try:
     FOUND, OTHER_FILES, RENAMED = find_models(config["meshes"])
     MODELS = pick_models(FOUND, config["only"])
+    check_comparison(config, len(MODELS))
     OWN = read_sheet(config["models"], FOUND, GIVEN, SCHEMA)  # configurations of models that have one of their own
 except (ConfigError, CorpusError) as error:
     raise WorkflowError(str(error)) from None
@@ -121,11 +130,15 @@ BATCHES = set_apart(form_batches(MODELS, **config["batches"]), config["only"])
 # Of any model a file can be asked for: then it has a batch of its own.
 MEMBERS = {batch_alone(model): [model] for model in MODELS} | BATCHES
 CHOSEN = chosen_stages(config)
+# What models are compared by, and what this makes; nothing where they are not compared.
+COMPARED_BY = "describe_shape" if config["similarity"]["by"] == "descriptors" else "graph_functions"
+COMPARED = [f"results/status/{COMPARED_BY}/{batch}.parquet" for batch in BATCHES] if config["similarity"]["find"] else []
+LIKENESS = [str(path) for path in LIKENESS_TABLES] if COMPARED else []
 REPORTS = [str(REPORT_PAGE)] if config["report"]["page"] else []
 UNTOLD = ("compare", "directions", "report", "limits", "batches", "verify")  # what changes no result of all models
 RUNNER = SCRIPTS / "corpus" / "stages.py"  # what runs a stage over models counts as its code
 CODE = {stage: digest_code(SCRIPTS / f"{stage}.py", RUNNER) for stage in (*STAGES, *ASKED_FOR)}
-CODE |= {name: digest_code(SCRIPTS / f"{name}.py") for name in ("collect_models", "report_models", *GATHERED)}
+CODE |= {name: digest_code(SCRIPTS / f"{name}.py") for name in ("collect_models", "compare_shapes", "report_models", *GATHERED)}
 
 
 wildcard_constraints:
@@ -273,6 +286,11 @@ def carried_files(wildcards):
 def gathering_memory(wildcards, attempt):
     """Memory for a table over all models, in MB."""
     return int(predict_gathering(len(MODELS))[0] * attempt)
+
+
+def comparing_memory(wildcards, attempt):
+    """Memory for the distances of all pairs of models, in MB."""
+    return gathering_memory(wildcards, attempt) + 40 * attempt * len(MODELS) ** 2 // 10**6
 
 
 def gathering_runtime(wildcards, attempt):

@@ -20,11 +20,31 @@ rule collect_models:
         run_job("collect_models", input, output, params, log)
 
 
+# results/corpus/distances.parquet, neighbours.parquet: how like each other the models are.
+rule compare_shapes:
+    input:
+        status=COMPARED,
+    output:
+        tables=[str(path) for path in LIKENESS_TABLES],
+    log:
+        "results/logs/compare_shapes.log",
+    resources:
+        mem_mb=comparing_memory,
+        runtime=gathering_runtime,
+    params:
+        by=config["similarity"]["by"],
+        neighbours=config["similarity"]["neighbours"],
+        code=CODE["compare_shapes"],
+    run:
+        run_job("compare_shapes", input, output, params, log)
+
+
 # results/corpus/report.html: the same as a page, what needs a look first. It links to what the stages left of each
 # model, for which the table of models stands.
 rule report_models:
     input:
         table="results/corpus/models.parquet",
+        likeness=LIKENESS,
         carried=carried_files,
     output:
         page=report("results/corpus/report.html", caption="../report/models.rst", category="All models"),

@@ -352,6 +352,25 @@ rule graph_functions:
         run_job("graph_functions", input, output, params, log)
 
 
+# Describes the shape by numbers of its surface and of the graphs of its functions. Writes descriptors.
+rule describe_shape:
+    input:
+        status="results/status/graph_functions/{batch}.parquet",
+    output:
+        status="results/status/describe_shape/{batch}.parquet",
+    log:
+        "results/logs/describe_shape/{batch}.log",
+    priority: priority_at("describe_shape")
+    resources:
+        mem_mb=memory_of,
+        runtime=runtime_of,
+    params:
+        options={},
+        code=CODE["describe_shape"],
+    run:
+        run_job("describe_shape", input, output, params, log)
+
+
 # Traces the centrelines of tubes. Writes centreline_points, branches, and centrelines as poly data and SWC; aside of
 # the stages above.
 rule trace_centrelines:

@@ -9,6 +9,7 @@ import base64
 import os
 import platform
 from importlib.metadata import PackageNotFoundError, version
+from pathlib import Path
 
 import pyarrow.parquet as pq
 import yaml
@@ -16,6 +17,7 @@ import yaml
 from corpus.layout import MODELS_FOLDER, REPORT_PAGE
 from corpus.process import trim_startup
 from corpus.receipts import seal_table
+from corpus.storage import read_table
 from corpus.whole_files import place_whole, remove_remains
 from reebslice import __version__
 from reebslice.drawing.report import Run, make_report
@@ -51,25 +53,27 @@ def gather(job):
     """Write the report of the table of models `job.input.table`; `job.params` are config, own, stages, as in `main`."""
     trim_startup()
     remove_remains(REPORT_PAGE.parent, REPORT_PAGE.name)
-    text = main(pq.read_table(job.input.table), job.params.config, job.params.own, job.params.stages)
+    likeness = [read_table(path, Path(path).stem) for path in job.input.likeness]
+    text = main(pq.read_table(job.input.table), job.params.config, job.params.own, job.params.stages, likeness)
     with place_whole(REPORT_PAGE, durably=True) as scratch:
         scratch.write_text(text, encoding="utf-8")
     seal_table(REPORT_PAGE)
 
 
-def main(table, config, own, stages):
+def main(table, config, own, stages, likeness=()):
     """Return the report as text.
 
     table : pyarrow.Table of models. config : dict, what is told of the
     configuration. own : number of models with one of their own. stages : those
     that the configuration wants; what others left of a model is not linked.
+    likeness : the tables distances and neighbours, if models are compared.
     """
     wanted = [name for name, stage in WRITERS.items() if stage in stages]
     folders = [MODELS_FOLDER / model for model in table["model"].to_pylist()]
     files = [{name for name in wanted if os.path.isfile(folder / name)} for folder in folders]
     thumbnails = [_read_thumbnail(*pair) for pair in zip(folders, files)] if len(folders) <= HELD else None
     told = yaml.safe_dump(config, sort_keys=False, default_flow_style=None, width=100)
-    return make_report(table, files, thumbnails, Run(config["meshes"], config["only"], told, own, list_versions()))
+    return make_report(table, files, thumbnails, Run(config["meshes"], config["only"], told, own, list_versions()), likeness)
 
 
 def _read_thumbnail(folder, files):

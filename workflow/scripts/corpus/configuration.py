@@ -11,6 +11,9 @@ from reebslice.slicing.sampling_rule import MOST_LEVELS, sampling_rule
 # The lengths in which a mesh that is read can be told: see LARGEST and SMALLEST of reebslice.mesh.faults.
 LARGEST_LENGTH, SMALLEST_LENGTH = 1e75, 1e-75
 
+# Models of which all pairs are held against each other: by memory, and diagrams by their time, some ms a pair.
+MOST_COMPARED = {"descriptors": 20_000, "graphs": 20_000, "diagrams": 1_000}
+
 # Of the checkout, with every key, and of the working directory, with what is another there.
 CONFIG_FILE = Path("config", "config.yaml")
 
@@ -169,6 +172,13 @@ def _contradictions(config):
     spread = [name for name in config["functions"] if name.startswith("directions:")]
     if len(spread) > 1:
         faults.append(f"functions names {' and '.join(spread)}: directions can be spread once, so keep one of them")
+    if config["descriptors"]["find"] and not config["functions"]:
+        faults.append(
+            "descriptors.find is true, but functions is empty: shapes are told apart by the graphs of functions, so "
+            "name some, such as functions: [geodesic, barycentre]"
+        )
+    if config["similarity"]["find"]:
+        faults += _contradictions_of_similarity(config)
     size = max(map(abs, tilt["direction"] or [1.0]))
     if not size:
         faults.append("tilt.direction is the zero vector: at least one of its three numbers must differ from 0")
@@ -178,6 +188,32 @@ def _contradictions(config):
             f"computed with, from {SMALLEST_LENGTH:g} to {LARGEST_LENGTH:g}; [0, 0, 1] is z"
         )
     return faults + _contradictions_of_levels(**config["levels"])
+
+
+def check_comparison(config, number):
+    """Raise ConfigError where so many models cannot be compared with each other."""
+    by = config["similarity"]["by"]
+    if config["similarity"]["find"] and number > MOST_COMPARED[by]:
+        raise ConfigError(
+            f"similarity.by is {by!r}, and there are {number} models: at most {MOST_COMPARED[by]} can be compared in "
+            f"this way, each with each{', but more by descriptors' if by == 'diagrams' else ''}. Choose some by the key "
+            "only, or switch similarity.find off"
+        )
+
+
+def _contradictions_of_similarity(config):
+    """Return the faults of a `similarity` that is to be found: what models are compared by has to be there."""
+    by = config["similarity"]["by"]
+    if by == "descriptors":
+        if config["descriptors"]["find"]:
+            return []
+        return ["similarity.find is true, but descriptors.find is false: models are compared by these, so set both"]
+    if any(not name.startswith("directions:") for name in config["functions"]):
+        return []
+    return [
+        f"similarity.by is {by!r}, but functions names none but heights, if any, which are others for a model that is "
+        "turned: name some, such as functions: [geodesic, barycentre]"
+    ]
 
 
 def _contradictions_of_levels(distance, feature_size, units, **_):

@@ -1,4 +1,4 @@
-"""Gather one table of every model, each the result of a stage that is asked for by name."""
+"""Gather one table of every model."""
 
 from pathlib import Path
 
@@ -10,14 +10,20 @@ from .storage import read_table
 
 
 def gather_tables(tables, stage, name):
-    """Return the table `name` over all accepted models, in the order of their ids.
+    """Return the table `name` over all accepted models, in the order of their ids; as of :func:`read_tables`."""
+    return pa.concat_tables(read_tables(tables, stage, name).values())
 
-    tables : paths of the status tables of `stage`. One that tells of a
-    model that failed, or promises what is gone or altered, is removed, so that
-    the next run makes it again, and RuntimeError raised.
+
+def read_tables(tables, stage, name, all_or_none=True):
+    """Return the table `name` of each accepted model, {id: pyarrow.Table}, in the order of ids.
+
+    tables : paths of the status tables of `stage`. One that promises what is gone
+    or altered is removed, so that the next run makes it again, and RuntimeError
+    raised; with `all_or_none` also one that tells of a model that failed, which
+    is left out otherwise.
     """
     rows = {table: read_status(table) for table in tables}
-    broken = {table: [row for row in rows[table] if _is_broken(row, stage, name)] for table in tables}
+    broken = {table: [row for row in rows[table] if _is_broken(row, stage, name, all_or_none)] for table in tables}
     for table in [table for table in tables if broken[table]]:
         Path(table).unlink()
     if any(broken.values()):
@@ -27,10 +33,11 @@ def gather_tables(tables, stage, name):
     done = sorted(row["model"] for table in tables for row in rows[table] if row["status"] == "ok")
     if not done:
         raise RuntimeError("there is no accepted model to compare anything on")
-    return pa.concat_tables(read_table(MODELS_FOLDER / model / f"{name}.parquet", name) for model in done)
+    return {model: read_table(MODELS_FOLDER / model / f"{name}.parquet", name) for model in done}
 
 
-def _is_broken(row, stage, name):
+def _is_broken(row, stage, name, all_or_none):
     if row["status"] != "ok":
-        return row["status"] == "failed"
-    return valid_receipt(MODELS_FOLDER / row["model"], stage, row["key"], [f"{name}.parquet"]) is None
+        return row["status"] == "failed" and all_or_none
+    receipt = valid_receipt(MODELS_FOLDER / row["model"], stage, row["key"])
+    return receipt is None or f"{name}.parquet" not in receipt["outputs"]

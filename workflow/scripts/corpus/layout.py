@@ -27,6 +27,7 @@ BEFORE = {
     "decompose_solid": "synthesize_edges",
     "export_model": "certify",
     "graph_functions": "inspect_mesh",
+    "describe_shape": "graph_functions",
     "trace_centrelines": "inspect_mesh",
     "compare_links": "inspect_mesh",
     "rate_directions": "inspect_mesh",
@@ -47,6 +48,7 @@ SIDE_STAGES = {
     "decompose_solid": ("parts", "find"),
     "export_model": ("export", "files"),
     "graph_functions": (None, "functions"),
+    "describe_shape": ("descriptors", "find"),
     "trace_centrelines": ("centrelines", "find"),
 }
 
@@ -103,5 +105,6 @@ def read_status(path):
 
 STATUS_FOLDER = Path("results/status")
 MODELS_TABLE = Path("results/corpus/models.parquet")
+LIKENESS_TABLES = tuple(Path("results/corpus", f"{name}.parquet") for name in ("distances", "neighbours"))
 MODELS_TEXT = MODELS_TABLE.with_suffix(".csv")  # the same, as text
 REPORT_PAGE = Path("results/corpus/report.html")

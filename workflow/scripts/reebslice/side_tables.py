@@ -221,6 +221,22 @@ SIDE_TABLES = {
         ("layers", INT, "Layers that make this height."),
         ("support_free_height", REAL, "Height at which the first island begins; all if none does.", ("unit", "mesh")),
     ),
+    "distances": table(
+        "model",
+        "How far a model is from all others, and its place on a map of all.",
+        ("model", TEXT, "Model."),
+        ("x", REAL, "Place on the map, on which models that are alike are near each other."),
+        ("y", REAL, "Its second coordinate."),
+        ("distances", REALS, "Distance from the model of each row of this table, in their order; without a unit."),
+    ),
+    "neighbours": table(
+        "model, place",
+        "One of the models that are most like a model.",
+        ("model", TEXT, "Model."),
+        ("place", INT, "0 is the most alike."),
+        ("neighbour", TEXT, "The model that is like it."),
+        ("distance", REAL, "Distance between both; without a unit."),
+    ),
     "comparison": table(
         "model, tilt, n_levels, method, kind",
         "Links guessed from shapes, held against those of the mesh.",

@@ -59,17 +59,20 @@ function address(row, place) {
   return DATA.files[row] & (1 << place) ? `${DATA.folder}${encodeURIComponent(DATA.models[row])}/${DATA.linked[place][0]}` : null;
 }
 
+function addThumbnail(row, parent) {
+  const frame = element("div", DATA.thumbnails[row] ? "" : "no picture", parent, "thumbnail");
+  if (!DATA.thumbnails[row]) return;
+  const picture = element("img", "", frame);
+  picture.loading = "lazy";
+  picture.alt = "";
+  const own = `${DATA.folder}${encodeURIComponent(DATA.models[row])}/thumbnail.png`;
+  picture.src = DATA.thumbnails[row] === 1 ? own : `data:image/png;base64,${DATA.thumbnails[row]}`;
+}
+
 function fillModel(cell, row) {
   const links = DATA.linked.map(([, words], place) => [address(row, place), words]).filter(([to]) => to);
   const box = element("div", "", cell, "model");
-  const frame = element("div", DATA.thumbnails[row] ? "" : "no picture", box, "thumbnail");
-  if (DATA.thumbnails[row]) {
-    const picture = element("img", "", frame);
-    picture.loading = "lazy";
-    picture.alt = "";
-    const own = `${DATA.folder}${encodeURIComponent(DATA.models[row])}/thumbnail.png`;
-    picture.src = DATA.thumbnails[row] === 1 ? own : `data:image/png;base64,${DATA.thumbnails[row]}`;
-  }
+  addThumbnail(row, box);
   const words = element("div", "", box);
   const name = element(links.length ? "a" : "span", "", words, "name");
   addName(DATA.models[row], name);

@@ -24,6 +24,16 @@ LINKED = {
 }
 
 
+ALIKE = 5  # models that are told to be most like one
+MAP = """<section id="likeness" aria-labelledby="likeness-title">
+<h2 id="likeness-title">Which are alike</h2>
+<div class="sides"><div id="map"><div id="spots"></div></div><div id="alike" aria-live="polite"></div></div>
+<p><small>Models that are alike are near each other, as far as a plane can show it. All distances:
+<a href="distances.parquet">distances.parquet</a>, <a href="neighbours.parquet">neighbours.parquet</a>.</small></p>
+</section>
+"""
+
+
 class Run(NamedTuple):
     """How the models were made.
 
@@ -48,7 +58,7 @@ class Run(NamedTuple):
     versions: dict
 
 
-def make_report(table, files, thumbnails, run):
+def make_report(table, files, thumbnails, run, likeness=None):
     """Make the page.
 
     Parameters
@@ -60,6 +70,8 @@ def make_report(table, files, thumbnails, run):
     thumbnails : list of str or None
         Thumbnails in base64, or None where the page is to load them from the folder of the model.
     run : Run
+    likeness : (pyarrow.Table, pyarrow.Table), optional
+        `distances` and `neighbours` of these models, or of some of them.
 
     Returns
     -------
@@ -76,6 +88,8 @@ def make_report(table, files, thumbnails, run):
     )
     names = [row["model"] for row in rows]
     data = _gather_data(table, rows, kinds, figures, looks, files, thumbnails)
+    if likeness:
+        data["map"] = _gather_map(names, *likeness)
     picked = "" if run.only is None else f" that <code>only={escape(str(run.only))}</code> picks"
     own = f"<p>{count_models(run.own)} of the sheet have some keys of their own.</p>" if run.own else ""
     fields = {
@@ -83,14 +97,28 @@ def make_report(table, files, thumbnails, run):
         "meshes": f"<code>{escape(run.meshes)}</code>{picked}",
         "verdicts": write_verdicts(kinds),
         "looks": write_looks(looks, names, [_find_link(*pair) for pair in zip(names, files)]),
+        "map": MAP if likeness else "",
         "charts": "".join(draw_chart(figure, values) for figure, values in figures.items() if figure.shown),
         "own": own,
         "config": escape(run.config),
         "versions": write_versions(run.versions),
         "data": json.dumps(data, separators=(",", ":")).replace("<", "\\u003c"),
     }
-    scripts, images = [read_template("report.js")], "data: file: 'self'"
+    scripts, images = [read_template(name) for name in ("report.js", "report_map.js")], "data: file: 'self'"
     return write_page("report.html", "report.css", fields["title"], fields, scripts, images)
+
+
+def _gather_map(names, distances, neighbours):
+    """What the map is made of: rows of the models on it, their places, and of each those most like it, as places."""
+    row = {name: k for k, name in enumerate(names)}
+    models = [name for name in distances["model"].to_pylist() if name in row]
+    place = {name: k for k, name in enumerate(models)}
+    near = [[] for _ in models]
+    for model, rank, other in zip(*(neighbours[name].to_pylist() for name in ("model", "place", "neighbour"))):
+        if rank < ALIKE and model in place and other in place:
+            near[place[model]].append(place[other])
+    x, y = ([round(value, 4) for value in distances[name].to_pylist()] for name in "xy")
+    return {"rows": [row[name] for name in models], "x": x, "y": y, "near": near}
 
 
 def _find_link(name, there):

@@ -1,0 +1,32 @@
+"""Compare all models with each other: a matrix of distances with a map of them, and of each model the most alike."""
+
+from pathlib import Path
+
+from corpus.gathering import read_tables
+from corpus.storage import write_table
+from reebslice.descriptors.comparison import compare_descriptors
+from reebslice.descriptors.graph_distances import compare_diagrams, compare_graphs
+from reebslice.descriptors.neighbours import distance_table, neighbour_table
+
+# What models are compared by: the stage that makes the tables which this takes, and these.
+WAYS = {
+    "descriptors": (compare_descriptors, "describe_shape", ("descriptors",)),
+    "diagrams": (compare_diagrams, "graph_functions", ("function_nodes",)),
+    "graphs": (compare_graphs, "graph_functions", ("function_nodes", "function_arcs")),
+}
+
+
+def gather(job):
+    """Write both tables over the status tables of the stage, `job.input.status`; `job.params` are by and neighbours."""
+    made = main(job.input.status, job.params.by, job.params.neighbours)
+    for path, table in zip(job.output.tables, made, strict=True):
+        write_table(path, Path(path).stem, table)
+
+
+def main(tables, by, number):
+    """Return the tables `distances` and `neighbours` over the models of the status tables that did not fail."""
+    compare, stage, names = WAYS[by]
+    found = [read_tables(tables, stage, name, all_or_none=False) for name in names]
+    models = list(found[0])
+    distances = compare(*(list(each.values()) for each in found))
+    return distance_table(models, distances), neighbour_table(models, distances, number)

@@ -1,0 +1,37 @@
+// The map of the report: a thumbnail for each model, those that are alike near each other, and beside it who is like whom.
+
+const LARGE = 60; // models, up to which thumbnails are large
+const PICTURED = 600; // models, up to which they have thumbnails; of more there are dots
+
+/** Place the models, so that the map fills its frame, and have each tell who is like it. */
+function fillMap({ rows, x, y, near }) {
+  const frame = find("#spots");
+  frame.classList.add(rows.length > PICTURED ? "dots" : rows.length > LARGE ? "small" : "large");
+  const share = (values, value) => (value - Math.min(...values)) / (Math.max(...values) - Math.min(...values) || 1);
+  rows.forEach((row, place) => {
+    const link = address(row, DATA.linked.findIndex((_, file) => address(row, file)));
+    const spot = element(link ? "a" : "span", "", frame, "spot");
+    if (link) spot.href = link;
+    else spot.tabIndex = 0;
+    spot.ariaLabel = DATA.models[row];
+    spot.style.left = `${100 * share(x, x[place])}%`;
+    spot.style.top = `${100 * (1 - share(y, y[place]))}%`;
+    if (rows.length <= PICTURED) addThumbnail(row, spot);
+    for (const event of ["pointerenter", "focus"]) spot.addEventListener(event, () => tellAlike(place, rows, near, spot));
+  });
+  tellAlike(0, rows, near, find(".spot"));
+}
+
+/** Show a model and those that are most like it, beside the map and on it. */
+function tellAlike(place, rows, near, spot) {
+  all(".spot").forEach((each, other) => each.classList.toggle("near", near[place].includes(other)));
+  find(".spot.lit")?.classList.remove("lit");
+  spot.classList.add("lit");
+  const list = element("ol");
+  for (const other of near[place]) fillModel(element("li", "", list), rows[other]);
+  const own = element("div", "");
+  fillModel(own, rows[place]);
+  find("#alike").replaceChildren(own, element("p", near[place].length ? "Most like it:" : "There is no other model."), list);
+}
+
+if (DATA.map) fillMap(DATA.map);
