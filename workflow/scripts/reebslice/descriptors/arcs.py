@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from ..morse.face_arcs import arcs_of_faces
+from ..morse.face_arcs import label_arcs
 from ..morse.reeb_graph import surface_reeb_graph
 from ..morse.value_mesh import value_mesh
 from .surface_points import face_areas
@@ -32,11 +32,10 @@ def describe_arcs(values, arcs, points, faces):
         the area of the surface; what is beyond an end counts in the last step there.
     """
     mesh = value_mesh(values, points, faces)
-    area = face_areas(points, faces)
-    area = area / area.sum()
-    arc = arcs_of_faces(mesh, surface_reeb_graph(mesh), faces)
-    share = np.bincount(arc, weights=area, minlength=len(arcs["lower"]))
-    unit = np.sqrt(face_areas(points, faces).sum())
+    area = face_areas(points, mesh.vertex[mesh.faces])  # unfolded saddles have added faces without area
+    arc = label_arcs(mesh, surface_reeb_graph(mesh)).of_face
+    share = np.bincount(arc, weights=area, minlength=len(arcs["lower"])) / area.sum()
+    unit = np.sqrt(area.sum())
     length = np.maximum((np.asarray(arcs["upper"]) - np.asarray(arcs["lower"])) / unit, 10.0 ** LENGTHS[0])
     sizes = length, share / (2 * np.pi * length), share**2 / (4 * np.pi * length)
     return tuple(_spread(size, share, ends) for size, ends in zip(sizes, (LENGTHS, RADII, VOLUMES)))
