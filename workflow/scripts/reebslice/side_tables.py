@@ -166,6 +166,13 @@ SIDE_TABLES = {
         ("lower", REAL, "Value at the lower end."),
         ("upper", REAL, "Value at the upper end."),
     ),
+    "descriptors": table(
+        "descriptor, function",
+        "A list of numbers that tells models apart; reebslice.descriptors says what each is.",
+        ("descriptor", TEXT, "Descriptor."),
+        ("function", TEXT, "Function on the surface whose it is; empty where of none."),
+        ("values", REALS, "Its numbers, as many for every model."),
+    ),
     "centreline_points": table(
         "point",
         "A centre of a contour of the geodesic distance.",

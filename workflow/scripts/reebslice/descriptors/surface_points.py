@@ -1,0 +1,101 @@
+"""Points spread over a surface, and what pairs of them tell of the shape."""
+
+import numpy as np
+
+from ..arrays.components import connected_items
+
+POINTS, PAIRS = 4096, 2**16
+SEED = 0
+# Steps of distance, of how far both normals point apart, and of the angle between them.
+STEPS = (10, 8, 6)
+FARTHEST = 2.4
+
+
+def face_areas(points, faces):
+    """Areas of triangles, (m,) float64."""
+    a, b, c = (points[faces[:, k]] for k in range(3))
+    return np.linalg.norm(np.cross(b - a, c - a), axis=1) / 2
+
+
+def volume_of(points, faces):
+    """Volume that a closed surface encloses, by the divergence theorem."""
+    a, b, c = (points[faces[:, k]] - points.mean(axis=0) for k in range(3))
+    return np.einsum("ij,ij->", a, np.cross(b, c)) / 6
+
+
+def betti_numbers(points, faces):
+    """Count shells, independent closed curves and voids of the surface itself.
+
+    Returns
+    -------
+    (3,) float64
+        b0 = b2 = number of shells; b1 = 2 b0 - chi, twice the genera together, chi = vertices - faces / 2.
+    """
+    used, corners = np.unique(faces, return_inverse=True)
+    corners = corners.reshape(-1, 3)
+    shells = connected_items(corners[:, :2].ravel(), corners[:, 1:].ravel(), len(used)).max() + 1
+    return np.array([shells, 2 * shells - len(used) + len(faces) // 2, shells], float)
+
+
+def sample_surface(points, faces):
+    """Spread points over a surface evenly by area.
+
+    Parameters
+    ----------
+    points, faces : (n, 3) float64 and (m, 3) int
+
+    Returns
+    -------
+    places, normals : (4096, 3) float64
+        One point in each 4096th of the area, faces put one after the other, at random within it, but always the same;
+        and the unit normal of its face, outward.
+    """
+    random = np.random.default_rng(SEED)
+    area = face_areas(points, faces)
+    share = (np.arange(POINTS) + random.random(POINTS)) / POINTS
+    chosen = faces[np.minimum(np.searchsorted(np.cumsum(area) / area.sum(), share), len(faces) - 1)]
+    a, b, c = (points[chosen[:, k]] for k in range(3))
+    root, part = np.sqrt(random.random((POINTS, 1))), random.random((POINTS, 1))
+    normal = np.cross(b - a, c - a)
+    return a + root * (b - a) + root * part * (c - b), normal / np.linalg.norm(normal, axis=1, keepdims=True)
+
+
+def relate_pairs(places, normals):
+    """Tell how pairs of points of a surface lie to each other.
+
+    Parameters
+    ----------
+    places, normals : (p, 3) float64
+        Points and unit normals.
+
+    Returns
+    -------
+    (480,) float64
+        Shares of 65,536 pairs: 10 steps of their distance over the mean distance, from 0 to 2.4, by 8 of n1.u - n2.u,
+        u being the unit vector from the first to the second, by 6 of n1.n2. It does not depend on size, place and
+        rotation.
+
+    References
+    ----------
+    E. Wahl, U. Hillenbrand and G. Hirzinger, Surflet-pair-relation histograms: a statistical 3D-shape representation
+    for rapid classification, 3DIM 2003, doi:10.1109/IM.2003.1240284, of whose four features the two angles to u are
+    added up here.
+
+    R. Osada, T. Funkhouser, B. Chazelle and D. Dobkin, Shape distributions, ACM Transactions on Graphics 21 (2002),
+    doi:10.1145/571647.571648, where distance alone is D2.
+    """
+    random = np.random.default_rng(SEED)
+    first, second = random.integers(0, len(places), (2, PAIRS))
+    apart = first != second
+    first, second = first[apart], second[apart]
+    step = places[second] - places[first]
+    distance = np.linalg.norm(step, axis=1)
+    along = step / np.maximum(distance, np.finfo(float).tiny)[:, None]
+    away = np.einsum("ij,ij->i", normals[first] - normals[second], along)
+    turned = np.einsum("ij,ij->i", normals[first], normals[second])
+    features = (distance / distance.mean(), 0, FARTHEST), (away, -2, 2), (turned, -1, 1)
+    places_of = [
+        np.clip((value - low) / (high - low) * count, 0, count - 1).astype(int)
+        for (value, low, high), count in zip(features, STEPS)
+    ]
+    return np.bincount(np.ravel_multi_index(places_of, STEPS), minlength=np.prod(STEPS)) / len(first)
