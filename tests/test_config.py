@@ -28,7 +28,8 @@ SECTIONS = pipeline.STAGES | {
     "certify": "levels", "draw": "draw", "view": "view", "find_pockets": "pockets", "find_loops": "loops",
     "cut_pockets": "draw", "draw_loops": "draw", "draw_figures": "draw", "label_faces": "faces",
     "colour_faces": "colours", "decompose_solid": "parts", "export_model": "export", "compare_links": "compare",
-    "rate_directions": "directions", "graph_functions": "functions", "trace_centrelines": "centrelines",
+    "rate_directions": "directions", "graph_functions": "functions", "describe_shape": "descriptors",
+    "trace_centrelines": "centrelines",
 }  # fmt: skip
 SHIPPED = yaml.safe_load((ROOT / "config" / "config.yaml").read_text())
 
@@ -95,7 +96,7 @@ def test_every_key_is_described_in_schema_and_readme():
         ({"loops": {"find": False, "draw": True}}, "loops.draw is true, but loops.find is false"),
         (
             {"functions": ["geodesics"]},
-            "functions[0] is 'geodesics': must be geodesic, barycentre, directions: and a number up to 999, or file: and a name",
+            "functions[0] is 'geodesics': must be geodesic, barycentre, directions: and a number up to 999, or file:",
         ),
     ],
 )

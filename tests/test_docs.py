@@ -8,6 +8,7 @@ import sys
 from pathlib import Path
 
 import numpy as np
+import pyarrow.parquet as pq
 import pytest
 import trimesh
 
@@ -17,6 +18,7 @@ import reebslice
 import solids
 import view
 from corpus.storage import read_json
+from reebslice.descriptors.neighbours import distance_table
 
 DOCS = Path(__file__).parents[1] / "docs"
 
@@ -65,6 +67,7 @@ PRINTED = {
     "docs/parts.md": [r"2 19\.0\n3 18\.0\n"],
     "docs/pockets.md": [r"basin from height 1.00, 1.00 deep, 1.0 in volume"],
     "docs/readers.md": ["", None, None],
+    "docs/similarity.md": [r"^model\nvase +0.0\nplate +1.0\nknot +1.0\n", r"\d\.\d+ 0\.\d+"],
     "docs/tutorial.md": [r"vase +exact +\d.*kind +height +inscribed_radius\n.*handle"],
 }
 
@@ -76,6 +79,8 @@ def place(built, tmp_path, monkeypatch):
     shutil.copytree(tmp_path / "results/corpus", tmp_path / "shares/one/results/corpus")
     folder = tmp_path / "results/models/vase"
     view.main(folder, folder, {"faces": 2000})
+    far = np.abs(np.subtract.outer(np.arange(3.0), np.arange(3.0)))
+    pq.write_table(distance_table(["plate", "vase", "knot"], far), tmp_path / "results/corpus/distances.parquet")
     block = np.ones((7, 3, 2), bool)
     block[1, 1, :] = block[3, 1, :] = block[5, 1, 1] = False  # two holes through it, and a pocket
     solid = solids.voxels(block)

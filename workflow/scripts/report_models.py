@@ -73,7 +73,9 @@ def main(table, config, own, stages, likeness=()):
     files = [{name for name in wanted if os.path.isfile(folder / name)} for folder in folders]
     thumbnails = [_read_thumbnail(*pair) for pair in zip(folders, files)] if len(folders) <= HELD else None
     told = yaml.safe_dump(config, sort_keys=False, default_flow_style=None, width=100)
-    return make_report(table, files, thumbnails, Run(config["meshes"], config["only"], told, own, list_versions()), likeness)
+    return make_report(
+        table, files, thumbnails, Run(config["meshes"], config["only"], told, own, list_versions()), likeness
+    )
 
 
 def _read_thumbnail(folder, files):

@@ -11,8 +11,8 @@ from reebslice.slicing.sampling_rule import MOST_LEVELS, sampling_rule
 # The lengths in which a mesh that is read can be told: see LARGEST and SMALLEST of reebslice.mesh.faults.
 LARGEST_LENGTH, SMALLEST_LENGTH = 1e75, 1e-75
 
-# Models of which all pairs are held against each other: by memory, and diagrams by their time, some ms a pair.
-MOST_COMPARED = {"descriptors": 20_000, "graphs": 20_000, "diagrams": 1_000}
+# Models of which all pairs are held against each other: by memory, and diagrams by their time, a fifth of a ms a pair.
+MOST_COMPARED = {"descriptors": 20_000, "graphs": 20_000, "diagrams": 3_000}
 
 # Of the checkout, with every key, and of the working directory, with what is another there.
 CONFIG_FILE = Path("config", "config.yaml")
@@ -196,8 +196,8 @@ def check_comparison(config, number):
     if config["similarity"]["find"] and number > MOST_COMPARED[by]:
         raise ConfigError(
             f"similarity.by is {by!r}, and there are {number} models: at most {MOST_COMPARED[by]} can be compared in "
-            f"this way, each with each{', but more by descriptors' if by == 'diagrams' else ''}. Choose some by the key "
-            "only, or switch similarity.find off"
+            f"this way{', but more by descriptors' if by == 'diagrams' else ''}; choose some by the key only, or set "
+            "similarity.find to false"
         )
 
 

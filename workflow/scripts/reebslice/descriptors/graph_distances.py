@@ -69,9 +69,9 @@ def compare_graphs(nodes, arcs):
     Returns
     -------
     (M, M) float64
-        Symmetric, 0 on the diagonal, at most the root of 2: between the unit vectors of how often each Weisfeiler-Lehman
-        label occurs, in any function that all models have. Models whose graphs are isomorphic are at distance 0; but
-        some graphs that are not are as well.
+        Symmetric, 0 on the diagonal, at most the root of 2: between the unit vectors of how often each label of
+        Weisfeiler and Lehman occurs, in any function that all models have. Models whose graphs are isomorphic are at
+        distance 0; but some graphs that are not are as well.
 
     Raises
     ------

@@ -104,8 +104,8 @@ def make_report(table, files, thumbnails, run, likeness=None):
         "versions": write_versions(run.versions),
         "data": json.dumps(data, separators=(",", ":")).replace("<", "\\u003c"),
     }
-    scripts, images = [read_template(name) for name in ("report.js", "report_map.js")], "data: file: 'self'"
-    return write_page("report.html", "report.css", fields["title"], fields, scripts, images)
+    scripts = [read_template(name) for name in ("report.js", *(["report_map.js"] if likeness else []))]
+    return write_page("report.html", "report.css", fields["title"], fields, scripts, "data: file: 'self'")
 
 
 def _gather_map(names, distances, neighbours):

@@ -34,4 +34,4 @@ function tellAlike(place, rows, near, spot) {
   find("#alike").replaceChildren(own, element("p", near[place].length ? "Most like it:" : "There is no other model."), list);
 }
 
-if (DATA.map) fillMap(DATA.map);
+fillMap(DATA.map);
