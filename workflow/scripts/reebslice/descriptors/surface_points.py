@@ -38,7 +38,7 @@ def betti_numbers(points, faces):
 
 
 def sample_surface(points, faces):
-    """Spread points over a surface evenly by area.
+    """Spread points over a surface evenly by area, the same ones however it is turned.
 
     Parameters
     ----------
@@ -47,13 +47,20 @@ def sample_surface(points, faces):
     Returns
     -------
     places, normals : (4096, 3) float64
-        One point in each 4096th of the area, faces put one after the other, at random within it, but always the same;
-        and the unit normal of its face, outward.
+        With faces in the order of the distances of their middles from the centre of the area, and each beginning with
+        its farthest corner: one point in each 4096th of the area, at random within it, but always the same; and
+        the unit normal of its face, outward. Another order of vertices or faces, or a rotation, changes them only
+        where such distances are equal, or nearly so.
     """
     random = np.random.default_rng(SEED)
     area = face_areas(points, faces)
+    middle = points[faces].mean(axis=1)
+    centre = area @ middle / area.sum()
+    order = np.argsort(np.linalg.norm(middle - centre, axis=1), kind="stable")
+    far = np.linalg.norm(points - centre, axis=1)[faces].argmax(axis=1)
+    turned = np.take_along_axis(faces, (far[:, None] + np.arange(3)) % 3, axis=1)[order]
     share = (np.arange(POINTS) + random.random(POINTS)) / POINTS
-    chosen = faces[np.minimum(np.searchsorted(np.cumsum(area) / area.sum(), share), len(faces) - 1)]
+    chosen = turned[np.minimum(np.searchsorted(np.cumsum(area[order]) / area.sum(), share), len(faces) - 1)]
     a, b, c = (points[chosen[:, k]] for k in range(3))
     root, part = np.sqrt(random.random((POINTS, 1))), random.random((POINTS, 1))
     normal = np.cross(b - a, c - a)
