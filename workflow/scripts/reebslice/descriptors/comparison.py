@@ -3,7 +3,7 @@
 import numpy as np
 
 # Those by which models are told apart; benchmarks/score_retrieval.py tells what each is worth.
-COMPARED = ("pairs", "persistences", "persistence_images")
+COMPARED = ("normals", "pairs", "persistences", "thickness")
 NEIGHBOURS = 8
 REACH = 0.95
 

@@ -11,7 +11,8 @@ from .persistence import (
     take_pairs,
     turn_pairs,
 )
-from .surface_points import betti_numbers, face_areas, relate_pairs, sample_surface, volume_of
+from .surface_points import betti_numbers, face_areas, normal_powers, relate_pairs, sample_surface, volume_of
+from .thickness import describe_thickness
 
 HEIGHT = "height:"
 # Values that a persistence image spans, in square roots of the area; of another function, its own range.
@@ -43,18 +44,21 @@ def describe_surface(points, faces, graphs):
     points, faces = np.asarray(points, float), np.asarray(faces)
     area = face_areas(points, faces).sum()
     surface = points, faces, np.sqrt(area)
+    places, normals = sample_surface(points, faces)
     rows = [
         ("betti_numbers", "", betti_numbers(points, faces)),
         ("area", "", [area]),
         ("volume", "", [volume_of(points, faces)]),
-        ("pairs", "", relate_pairs(*sample_surface(points, faces))),
+        ("normals", "", normal_powers(points, faces)),
+        ("pairs", "", relate_pairs(places, normals)),
+        ("thickness", "", describe_thickness(places, normals, area)),
     ]
     heights = {name: graph for name, graph in graphs.items() if name.startswith(HEIGHT)}
     for name, graph in graphs.items():
         if name not in heights:
             rows += [(word, name, numbers) for word, numbers in _describe_function(name, graph, surface).items()]
     if heights:
-        rows += [(word, "height", numbers) for word, numbers in _describe_heights(heights, surface).items()]
+        rows += [(word, "height", numbers) for word, numbers in _describe_heights(heights, surface, places.mean(axis=0)).items()]
     return {
         "descriptor": [row[0] for row in rows],
         "function": [row[1] for row in rows],
@@ -81,10 +85,9 @@ def _describe_function(name, graph, surface):
     }
 
 
-def _describe_heights(heights, surface):
+def _describe_heights(heights, surface, centre):
     """The descriptors of all heights together by their names; a direction and its opposite count alike."""
     points, faces, unit = surface
-    centre = sample_surface(points, faces)[0].mean(axis=0)
     ranks, images, events, arcs = [], [], [], []
     start, end = SPANS["height"]
     for values, nodes, arcs_of_height in heights.values():

@@ -1,6 +1,7 @@
 """Points spread over a surface, and what pairs of them tell of the shape."""
 
 import numpy as np
+from scipy.special import sph_harm_y
 
 from ..arrays.components import connected_items
 
@@ -9,6 +10,7 @@ SEED = 0
 # Steps of distance, of how far both normals point apart, and of the angle between them.
 STEPS = (10, 8, 6)
 FARTHEST = 2.4
+DEGREES = range(2, 9)
 
 
 def face_areas(points, faces):
@@ -65,6 +67,41 @@ def sample_surface(points, faces):
     root, part = np.sqrt(random.random((POINTS, 1))), random.random((POINTS, 1))
     normal = np.cross(b - a, c - a)
     return a + root * (b - a) + root * part * (c - b), normal / np.linalg.norm(normal, axis=1, keepdims=True)
+
+
+def normal_powers(points, faces):
+    """Tell how the normals of a surface are spread over the directions, whichever way it is turned.
+
+    Parameters
+    ----------
+    points, faces : (n, 3) float64 and (m, 3) int
+
+    Returns
+    -------
+    (7,) float64
+        Of each degree l = 2 to 8 the root of the sum over m of |c_lm|^2, c_lm being the sum over faces of area times the
+        spherical harmonic Y_lm of the outward normal, over the whole area. Degree 0 is a constant, and degree
+        1 vanishes for a closed surface.
+
+    References
+    ----------
+    B. K. P. Horn, Extended Gaussian images, Proceedings of the IEEE 72 (1984), doi:10.1109/PROC.1984.13073
+
+    M. Kazhdan, T. Funkhouser and S. Rusinkiewicz, Rotation invariant spherical harmonic representation of 3D shape
+    descriptors, SGP 2003
+    """
+    a, b, c = (points[faces[:, k]] for k in range(3))
+    cross = np.cross(b - a, c - a)
+    size = np.linalg.norm(cross, axis=1)
+    cross, size = cross[size > 0], size[size > 0]
+    polar, azimuth = np.arccos(np.clip(cross[:, 2] / size, -1, 1)), np.arctan2(cross[:, 1], cross[:, 0])
+    share = size / size.sum()
+    powers = []
+    for degree in DEGREES:
+        orders = np.arange(degree + 1)
+        sums = share @ sph_harm_y(degree, orders, polar[:, None], azimuth[:, None])
+        powers.append(np.abs(sums[0]) ** 2 + 2 * (np.abs(sums[1:]) ** 2).sum())  # order -m is that of m, conjugate
+    return np.sqrt(powers)
 
 
 def relate_pairs(places, normals):
