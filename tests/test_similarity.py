@@ -203,11 +203,13 @@ def test_models_are_compared_by_each_way(tmp_path, monkeypatch):
 
     monkeypatch.setattr(compare_shapes, "read_tables", read_tables)
     for by in compare_shapes.WAYS:
-        distances, neighbours = compare_shapes.main([], by, 1)
+        distances, neighbours = compare_shapes.main([], by, False, 1)
         assert distances["model"].to_pylist() == ["knot", "plate", "torus"]
         matrix = np.vstack(distances["distances"].to_pylist())
         assert (matrix == matrix.T).all() and (matrix[~np.eye(3, dtype=bool)] > 0).all()
         assert len(neighbours) == 3
+    ranked = np.vstack(compare_shapes.main([], "descriptors", True, 1)[0]["distances"].to_pylist())
+    assert (ranked == ranked.T).all() and (np.diag(ranked) == 0).all() and ranked.max() <= 1
 
 
 # The page

@@ -132,13 +132,18 @@ MEMBERS = {batch_alone(model): [model] for model in MODELS} | BATCHES
 CHOSEN = chosen_stages(config)
 # What models are compared by, and what this makes; nothing where they are not compared.
 COMPARED_BY = "describe_shape" if config["similarity"]["by"] == "descriptors" else "graph_functions"
-COMPARED = [f"results/status/{COMPARED_BY}/{batch}.parquet" for batch in BATCHES] if config["similarity"]["find"] else []
+COMPARED = (
+    [f"results/status/{COMPARED_BY}/{batch}.parquet" for batch in BATCHES] if config["similarity"]["find"] else []
+)
 LIKENESS = [str(path) for path in LIKENESS_TABLES] if COMPARED else []
 REPORTS = [str(REPORT_PAGE)] if config["report"]["page"] else []
 UNTOLD = ("compare", "directions", "report", "limits", "batches", "verify")  # what changes no result of all models
 RUNNER = SCRIPTS / "corpus" / "stages.py"  # what runs a stage over models counts as its code
 CODE = {stage: digest_code(SCRIPTS / f"{stage}.py", RUNNER) for stage in (*STAGES, *ASKED_FOR)}
-CODE |= {name: digest_code(SCRIPTS / f"{name}.py") for name in ("collect_models", "compare_shapes", "report_models", *GATHERED)}
+CODE |= {
+    name: digest_code(SCRIPTS / f"{name}.py")
+    for name in ("collect_models", "compare_shapes", "report_models", *GATHERED)
+}
 
 
 wildcard_constraints:

@@ -32,8 +32,7 @@ rule compare_shapes:
         mem_mb=comparing_memory,
         runtime=gathering_runtime,
     params:
-        by=config["similarity"]["by"],
-        neighbours=config["similarity"]["neighbours"],
+        options={key: config["similarity"][key] for key in ("by", "manifold", "neighbours")},
         code=CODE["compare_shapes"],
     run:
         run_job("compare_shapes", input, output, params, log)

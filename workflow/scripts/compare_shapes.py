@@ -4,7 +4,7 @@ from pathlib import Path
 
 from corpus.gathering import read_tables
 from corpus.storage import write_table
-from reebslice.descriptors.comparison import compare_descriptors
+from reebslice.descriptors.comparison import compare_descriptors, rank_by_neighbourhood
 from reebslice.descriptors.graph_distances import compare_diagrams, compare_graphs
 from reebslice.descriptors.neighbours import distance_table, neighbour_table
 
@@ -17,16 +17,18 @@ WAYS = {
 
 
 def gather(job):
-    """Write both tables over the status tables of the stage, `job.input.status`; `job.params` are by and neighbours."""
-    made = main(job.input.status, job.params.by, job.params.neighbours)
+    """Write both tables over the status tables of the stage, `job.input.status`; as `job.params.options` say."""
+    made = main(job.input.status, **job.params.options)
     for path, table in zip(job.output.tables, made, strict=True):
         write_table(path, Path(path).stem, table)
 
 
-def main(tables, by, number):
+def main(tables, by, manifold, neighbours):
     """Return the tables `distances` and `neighbours` over the models of the status tables that did not fail."""
     compare, stage, names = WAYS[by]
     found = [read_tables(tables, stage, name, all_or_none=False) for name in names]
     models = list(found[0])
     distances = compare(*(list(each.values()) for each in found))
-    return distance_table(models, distances), neighbour_table(models, distances, number)
+    if manifold:
+        distances = rank_by_neighbourhood(distances)
+    return distance_table(models, distances), neighbour_table(models, distances, neighbours)
