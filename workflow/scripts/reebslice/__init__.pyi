@@ -1,5 +1,9 @@
 from . import errors as errors
 from .certification.certificate import certify as certify
+from .descriptors.comparison import compare_descriptors as compare_descriptors
+from .descriptors.graph_distances import compare_diagrams as compare_diagrams
+from .descriptors.graph_distances import compare_graphs as compare_graphs
+from .descriptors.surface import describe_surface as describe_surface
 from .formats.mesh_file import MeshFile as MeshFile
 from .formats.meshes import read_mesh as read_mesh
 from .functions.barycentre import barycentric_distance as barycentric_distance
@@ -13,6 +17,7 @@ from .graphs.directions import Directions as Directions
 from .graphs.directions import compare_directions as compare_directions
 from .graphs.exact import ExactGraph as ExactGraph
 from .graphs.exact import exact_graphs as exact_graphs
+from .graphs.function_graphs import graph_function as graph_function
 from .graphs.loops import Loops as Loops
 from .graphs.loops import find_loops as find_loops
 from .graphs.pocket_measures import Pockets as Pockets

@@ -5,7 +5,9 @@ of a function is, too: it is noise, and it would be most of many graphs.
 """
 
 from collections import Counter
+from collections.abc import Sequence
 from itertools import combinations
+from typing import Any
 
 import numpy as np
 from scipy.optimize import linear_sum_assignment
@@ -18,13 +20,13 @@ LEAST = 0.01  # of the range of a function
 ITERATIONS = 3
 
 
-def compare_diagrams(nodes):
+def compare_diagrams(nodes: Sequence[Any]) -> np.ndarray:
     """Measure how far apart models are by the extended persistence of their functions.
 
     Parameters
     ----------
-    nodes : list of pyarrow.Table
-        `function_nodes` of M models.
+    nodes : list of pyarrow.Table, or of dict of str to array
+        `function_nodes` of M models, or its columns, as :func:`.graph_function` gives them.
 
     Returns
     -------
@@ -49,6 +51,19 @@ def compare_diagrams(nodes):
 
     D. F. Crouse, On implementing 2D rectangular assignment algorithms, IEEE Transactions on Aerospace and Electronic
     Systems 52 (2016), doi:10.1109/TAES.2016.140952
+
+    Examples
+    --------
+    >>> import reebslice
+    >>> import trimesh
+    >>> nodes = []
+    >>> for radius in (1.0, 1.0, 2.0):  # of the tubes of three tori
+    ...     torus = trimesh.creation.torus(4.0, radius)
+    ...     values = reebslice.barycentric_distance(torus)
+    ...     nodes.append(reebslice.graph_function("barycentre", values, torus.vertices, torus.faces)[0])
+    >>> distances = compare_diagrams(nodes)
+    >>> float(distances[0, 1]), bool(distances[0, 2] > 0)
+    (0.0, True)
     """
     models = [{name: _list_pairs(rows) for name, rows in _by_function(table).items()} for table in nodes]
     distances = np.zeros((len(models), len(models)))
@@ -58,13 +73,13 @@ def compare_diagrams(nodes):
     return distances + distances.T
 
 
-def compare_graphs(nodes, arcs):
+def compare_graphs(nodes: Sequence[Any], arcs: Sequence[Any]) -> np.ndarray:
     """Measure how far apart models are by the Reeb graphs of their functions as labelled graphs.
 
     Parameters
     ----------
-    nodes, arcs : list of pyarrow.Table
-        `function_nodes` and `function_arcs` of M models.
+    nodes, arcs : list of pyarrow.Table, or of dict of str to array
+        `function_nodes` and `function_arcs` of M models, or their columns.
 
     Returns
     -------
@@ -81,6 +96,18 @@ def compare_graphs(nodes, arcs):
     References
     ----------
     N. Shervashidze et al., Weisfeiler-Lehman graph kernels, Journal of Machine Learning Research 12 (2011)
+
+    Examples
+    --------
+    >>> import reebslice
+    >>> import trimesh
+    >>> graphs = []
+    >>> for mesh in (trimesh.creation.torus(4, 1), trimesh.creation.torus(9, 1), trimesh.creation.icosphere()):
+    ...     values = reebslice.geodesic_distance(mesh)
+    ...     graphs.append(reebslice.graph_function("geodesic", values, mesh.vertices, mesh.faces))
+    >>> distances = compare_graphs(*zip(*graphs))
+    >>> float(distances[0, 1]), bool(distances[0, 2] > 0)
+    (0.0, True)
     """
     models = [
         {name: (rows, links[name]) for name, rows in _by_function(table).items()}
@@ -99,8 +126,9 @@ def compare_graphs(nodes, arcs):
 
 def _by_function(table):
     """The rows of each function, as columns, but for heights."""
-    names = table["function"].to_numpy(zero_copy_only=False)
-    columns = {name: table[name].to_numpy(zero_copy_only=False) for name in table.column_names}
+    columns = table if isinstance(table, dict) else dict(zip(table.column_names, table.itercolumns()))
+    columns = {name: np.asarray(column) for name, column in columns.items()}
+    names = columns["function"]
     found = sorted(name for name in set(names) if not name.startswith("height:"))
     return {name: {key: column[names == name] for key, column in columns.items()} for name in found}
 

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pyarrow as pa
+from numpy.typing import ArrayLike
 
 from ..formats.graphml import Graph
 from ..morse.critical_points import morse_indices
@@ -12,7 +13,7 @@ from ..schemas import SCHEMAS
 from ..table_checks import build_table
 
 
-def graph_function(name, values, points, faces):
+def graph_function(name: str, values: ArrayLike, points: ArrayLike, faces: ArrayLike) -> tuple[dict, dict]:
     """Build the Reeb graph of a function.
 
     Parameters
@@ -32,7 +33,16 @@ def graph_function(name, values, points, faces):
     ------
     ReebsliceError
         Values are not finite.
+
+    Examples
+    --------
+    >>> import trimesh
+    >>> torus = trimesh.creation.torus(4.0, 1.0)
+    >>> nodes, arcs = graph_function("x", torus.vertices[:, 0], torus.vertices, torus.faces)
+    >>> nodes["index"].tolist(), nodes["pairing"], len(arcs["arc"])
+    ([0, 1, 1, 2], ['extended', 'loop', 'loop', 'extended'], 4)
     """
+    points = np.asarray(points, np.float64)
     mesh = value_mesh(values, points, faces)
     graph = surface_reeb_graph(mesh)
     value, index = mesh.points[graph.nodes, 2], morse_indices(mesh, graph.nodes)
