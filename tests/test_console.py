@@ -67,6 +67,13 @@ def test_progress_counts_models_and_stages_and_foretells_the_time(progress):
     assert progress.describe() == "4 of 4 models done"
 
 
+def test_nothing_is_counted_as_long_as_no_model_is_done(progress):
+    progress.plan(JOBS, {batch: MEMBERS[batch] for batch in ("batch-0", "batch-1")}, {"batch-0": 2.0, "batch-1": 1.0})
+    assert progress.describe() == "3 models"
+    begin(progress, 1)
+    assert progress.describe() == "3 models; at work: slice_mesh (2)"
+
+
 def test_lines_are_overwritten_where_that_can_be_and_else_few(progress):
     for job in JOBS:
         begin(progress, job)

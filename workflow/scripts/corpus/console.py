@@ -98,12 +98,13 @@ class Progress(LogHandlerBase):
         """Return a line on how far the run is: models done of how many, the stages at work, the time left."""
         waiting = {batch for _, batch in self._left.values() if batch}
         count = {batch: len(self._members[batch]) for batch in self._members}
-        done = sum(count.values()) - sum(count[batch] for batch in waiting)
+        total = sum(count.values())
+        done = total - sum(count[batch] for batch in waiting)  # batches go side by side, so at first for long none
         at = Counter()
         for rule, batch in self._running.values():
             at[rule] += count.get(batch, 0)
         now = ", ".join(f"{rule} ({n})" if n else rule for rule, n in sorted(at.items()))
-        words = [f"{done} of {sum(count.values())} models done", now and f"at work: {now}", self._time_left()]
+        words = [f"{done} of {total} models done" if done else f"{total} models", now and f"at work: {now}", self._time_left()]
         return "; ".join(word for word in words if word)
 
     def close(self):

@@ -114,7 +114,7 @@ def compare_graphs(nodes: Sequence[Any], arcs: Sequence[Any]) -> np.ndarray:
         for table, links in zip(nodes, map(_by_function, arcs), strict=True)
     ]
     names = _common_functions(models)
-    counts = [sum((_count_labels(name, *model[name]) for name in names), Counter()) for model in models]
+    counts: list[Counter] = [sum((_count_labels(name, *model[name]) for name in names), Counter()) for model in models]
     place = {label: k for k, label in enumerate(sorted(set().union(*counts)))}
     vectors = np.zeros((len(models), len(place)))
     for vector, count in zip(vectors, counts):
