@@ -57,7 +57,8 @@ def copy_model(folder, model):
     for name in (name for name in os.listdir(first) if not name.startswith(".")):
         os.link(first / name, target / name)
     for stage in STAGES:
-        write_receipt(target, stage, read_receipt(first, stage))
+        if receipt := read_receipt(first, stage):  # one that the configuration wants
+            write_receipt(target, stage, receipt)
 
 
 def run(folder, *config):

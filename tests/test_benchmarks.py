@@ -58,3 +58,54 @@ def test_comparison_runs_and_writes_its_page(benchmark, monkeypatch, tmp_path):
     # two tables are those of measure_crossings and measure_questions
     assert {*page.TABLES, "crossings", "questions"} == set(re.findall(r"<!-- ([\w ]+) begins -->", text))
     assert (tmp_path / "growth.svg").stat().st_size > 10_000
+
+
+# --------------------------------------------------------------------------
+# CAD models beside what OpenCascade says of their files
+
+
+SOUND = {
+    "solids": 1,
+    "shells_told": 2,
+    "genus_told": 3,
+    "odd": 0,
+    "irregular": 0,
+    "pinched": 0,
+    "untrimmed": 0,
+    "loose": 0,
+}
+EQUAL = {"outcome": "exact", "genus": 3, "shells": 2, "bodies": 1, **SOUND}
+
+
+@pytest.mark.parametrize(
+    ("changes", "kind"),
+    [
+        ({}, "agrees"),
+        ({"genus": 4}, "genus: unexplained"),
+        ({"shells": 1, "bodies": 0}, "shells, bodies: unexplained"),
+        ({"genus": 4, "irregular": 2}, "genus: edges of one, three or more faces"),
+        ({"shells": 1, "duplicate_faces_removed": 12}, "shells: duplicate_faces_removed"),
+        ({"outcome": "rejected", "loose": 5}, "no graph; the file: faces outside of solids"),
+        ({"outcome": "rejected"}, "no graph; the file: sound"),
+        (dict.fromkeys(SOUND, float("nan")), "genus, shells, bodies: OpenCascade's bindings cannot read it"),
+    ],
+)
+def test_cad_models_that_differ_from_their_files_are_told_by_kind(benchmark, changes, kind):
+    assert benchmark("score_cad").tell_kind(EQUAL | changes) == kind
+
+
+def test_cad_files_are_picked_by_a_rule_and_dealt_out_to_shards(benchmark, tmp_path):
+    for number in range(10):
+        (tmp_path / "in").mkdir(exist_ok=True)
+        (tmp_path / f"in/{number}.STEP").write_bytes(bytes(1_100_000 if number == 6 else 10))
+    (tmp_path / "in/0.stl").touch()
+    score = benchmark("score_cad")
+    paths = score.pick_files(tmp_path / "in", 3, 1.0)
+    assert [path.name for path in paths] == ["0.STEP", "3.STEP", "9.STEP"]
+    score.link_files(tmp_path / "in", paths[0::2], tmp_path / "out")
+    assert sorted(path.name for path in (tmp_path / "out").iterdir()) == ["0.STEP", "9.STEP"]
+
+
+def test_topology_of_shapes_of_known_genus(benchmark):
+    pytest.importorskip("OCP", reason="cadquery-ocp is of the benchmarks' environment")
+    assert len(benchmark("cad_topology").check_known_shapes()) > 9

@@ -12,9 +12,11 @@ from snakemake.cli import get_argument_parser
 from snakemake.settings.types import SharedFSUsage, StorageSettings
 
 from compare_results import compare_results
-from corpus.batches import predict_gathering
+from corpus.batches import form_batches, predict_gathering
 from corpus.configuration import ConfigError
-from corpus.layout import ASKED_FOR, STAGES, STATUS_SCHEMA
+from corpus.discovery import find_models
+from corpus.layout import ASKED_FOR, STAGES, STATUS_SCHEMA, read_status
+from corpus.mesh_list import MESH_LIST, keep_mesh_list, recall_mesh_list
 from corpus.shared_files import check_file_sharing
 from test_workflow import EVERYTHING, run, write_box
 
@@ -74,6 +76,55 @@ def test_what_jobs_open_is_declared(tmp_path):
     inspected = " ".join(jobs["inspect_mesh"])
     assert all(f"results/status/{stage}/batch-" in gathered for stage in STAGES)
     assert "meshes/a.off" in inspected and "meshes/b b.bin" in inspected and "gone.bin" not in inspected
+
+
+def run_job(folder, stage, batch):
+    """Run a job as an executor has it run, by a Snakemake that parses the workflow anew; return its rows."""
+    job = (
+        "--mode",
+        "remote",
+        "--target-jobs",
+        f"{stage}:batch={batch}",
+        "--allowed-rules",
+        stage,
+        "--force",
+        "--nolock",
+    )
+    code, said = run(folder, *job)
+    assert code == 0, said
+    return {row["model"]: row for row in read_status(folder / f"results/status/{stage}/{batch}.parquet")}
+
+
+def test_jobs_are_about_the_meshes_that_the_run_found(tmp_path, monkeypatch):
+    """Some are added behind its back, so that other batches would be made, and one goes."""
+    monkeypatch.chdir(tmp_path)
+    for name in "abcd":
+        write_box(tmp_path / f"meshes/{name}.off")
+    code, said = run(tmp_path, "--until", "inspect_mesh")
+    found, numbers = find_models("meshes")[0], {"size": 32, "most": 16}
+    (batch,) = form_batches(found, **numbers)
+    assert code == 0 and recall_mesh_list() == found, said
+    for number in range(60):
+        write_box(tmp_path / f"meshes/{number}.off")
+    (tmp_path / "meshes/c.off").unlink()
+    assert batch not in form_batches(find_models("meshes")[0], **numbers)
+    rows = run_job(tmp_path, "inspect_mesh", batch)
+    assert list(rows) == list("abcd") and {rows[name]["status"] for name in "abd"} == {"ok"}
+    assert "c.off" in rows["c"]["reason"] and rows["c"]["status"] != "ok"
+    assert recall_mesh_list() == found  # which is the run's to leave, not its jobs'
+
+
+def test_a_list_of_meshes_holds_all_that_was_found(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    write_box(tmp_path / "meshes/a.off")
+    put_gltf(tmp_path / "meshes/sub/b.gltf", "b.bin")
+    write_box(tmp_path / "meshes/caf\u00e9.off")
+    assert recall_mesh_list() is None
+    found = find_models("meshes")[0]
+    keep_mesh_list(found)
+    assert recall_mesh_list() == found and len(found) == 3 and found["sub__b"].companions
+    MESH_LIST.write_text("[")
+    assert recall_mesh_list() is None
 
 
 def test_gathering_more_models_takes_more():

@@ -8,7 +8,7 @@ import zipfile
 import numpy as np
 import pytest
 
-from gltf_files import CORNERS, UBYTE, Builder, measure, pack_glb
+from gltf_files import CORNERS, SIDES, UBYTE, USHORT, Builder, measure, pack_glb
 from mesh_writers import stl_text
 from reebslice.errors import MeshFormatError
 from reebslice.formats import gltf_shares, packages, step_tessellation, threemf_scene
@@ -149,6 +149,31 @@ def test_places_of_parts_are_bounded(build, glb, monkeypatch):
     monkeypatch.setitem(gltf_shares.MOST, "places", (19, 0))
     with pytest.raises(MeshFormatError, match="asks for 20 places and more"):
         read_gltf(build.write(glb))
+
+
+@pytest.mark.parametrize("shared", ["by nodes", "by primitives"])
+def test_a_small_file_places_no_more_than_four_million_vertices(build, glb, shared):
+    mesh = build.box(np.tile(CORNERS, (2500, 1)))
+    primitives = build.document["meshes"][mesh]["primitives"]
+    primitives[0]["indices"] = build.accessor(np.arange(19_998), USHORT)
+    if shared == "by primitives":
+        primitives *= 220
+    for _ in range(220 if shared == "by nodes" else 1):
+        build.node(mesh=mesh)
+    path = build.write(glb)
+    with pytest.raises(MeshFormatError, match="vertices and more, of a file of .* at most 4194304 are read"):
+        read_gltf(path)
+    assert peak(read_gltf, path) < (4 if shared == "by nodes" else 200) * MEGABYTE
+
+
+def test_primitives_that_use_little_of_a_long_accessor_hold_no_copies_of_it(build, glb):
+    corners = np.concatenate([CORNERS[:2], np.full((20_000, 3), 9.0), CORNERS[2:]])
+    position, places = build.accessor(corners), np.array([0, 1, *range(20_002, 20_008)])
+    sides = [places[[a, b, c, a, c, d]] for a, b, c, d in SIDES]
+    primitives = [{"attributes": {"POSITION": position}, "indices": build.accessor(ids, USHORT)} for ids in sides * 20]
+    build.node(mesh=build.add("meshes", primitives=primitives))
+    assert measure(build.write(glb)) == (pytest.approx(20 * 6), [0, 0, 0], [1, 2, 3])
+    assert len(read_gltf(glb).points) <= 20 * 8 * len(SIDES) and peak(read_gltf, glb) < 3 * MEGABYTE
 
 
 def test_zeros_that_no_bytes_hold_are_held_against_the_size_of_the_file(build, glb):

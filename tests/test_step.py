@@ -1,13 +1,15 @@
 """STEP is read with the volume that it has, wherever it lies, or refused."""
 
 import json
+import multiprocessing
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 import numpy as np
 import pytest
 
 from reebslice.errors import MeshFormatError
-from reebslice.formats import step, step_tessellation
+from reebslice.formats import opencascade, step, step_tessellation
 from reebslice.formats.step import find_bodies, move_points, read_step
 
 pytest.importorskip("cascadio")
@@ -89,7 +91,7 @@ class Writer:
         return self.add(UNITS[name].format(measure[1:], powers[1:]))
 
 
-def write(folder, boxes, unit="millimetre"):
+def write(folder, boxes, unit="millimetre", name="a.step"):
     """Write boxes (low, size) as the solids of one part; return the path."""
     writer = Writer()
     solids = [writer.box(*box) for box in boxes]
@@ -112,7 +114,7 @@ def write(folder, boxes, unit="millimetre"):
     solid = writer.add(f"ADVANCED_BREP_SHAPE_REPRESENTATION('',({','.join(solids)}),{context})")
     writer.add(f"SHAPE_DEFINITION_REPRESENTATION({shape},{solid})")
     rows = "".join(f"#{number + 1}={row};\n" for number, row in enumerate(writer.rows))
-    path = folder / "a.step"
+    path = folder / name
     path.write_text(f"{HEAD}{rows}ENDSEC;\nEND-ISO-10303-21;\n")
     return path
 
@@ -202,11 +204,58 @@ def test_a_file_that_is_cut_off_is_refused_with_the_line(tmp_path):
         read_step(path)
 
 
+def read_with(path, monkeypatch, program):
+    """Read a file, with another program in the process that reads."""
+    with monkeypatch.context() as patch:
+        patch.setattr(opencascade, "_WAITING", [])
+        patch.setattr(opencascade, "_PROGRAM", program)
+        try:
+            return read_step(path)
+        finally:
+            opencascade._end_waiting()
+
+
 def test_a_reader_that_dies_takes_nothing_with_it(tmp_path, monkeypatch):
     path = write(tmp_path, [((0, 0, 0), (1, 1, 1))])
-    monkeypatch.setattr(step_tessellation, "_PROGRAM", "import os; os.abort() # {}")
-    with pytest.raises(MeshFormatError, match="ended with -6"):
-        read_step(path)
-    monkeypatch.setattr(step_tessellation, "_PROGRAM", "import os; os.kill(os.getpid(), 9) # {}")
-    with pytest.raises(MemoryError):
-        read_step(path)
+    before = read_step(path)
+    dying = opencascade._PROGRAM.replace("cascadio.step_to_glb(source, target, **{})", "os.kill(os.getpid(), SIGNAL)")
+    for program in ("import os; os.kill(os.getpid(), SIGNAL) # {}", dying):  # the process that waits, and its fork
+        with pytest.raises(MeshFormatError, match="ended with -6"):
+            read_with(path, monkeypatch, program.replace("SIGNAL", "6"))
+        with pytest.raises(MemoryError):
+            read_with(path, monkeypatch, program.replace("SIGNAL", "9"))
+    assert np.array_equal(read_step(path).points, before.points)
+
+
+def test_opencascade_is_loaded_once_for_many_files_and_keeps_nothing_of_one(tmp_path, monkeypatch):
+    opencascade._end_waiting()
+    started, start = [], opencascade._start
+    monkeypatch.setattr(opencascade, "_start", lambda: started.append(start()) or started[-1])
+    paths = [write(tmp_path, [((0, 0, 0), (size, 1, 1))], name=f"{size}.step") for size in (1, 2, 3)]
+    first = [read_step(path).points for path in paths]
+    paths[0].write_text("ISO-10303-21; which is damaged")
+    with pytest.raises(MeshFormatError):
+        read_step(paths[0])
+    assert np.array_equal(read_step(paths[1]).points, first[1])
+    assert len(started) == 1 and started[0].poll() is None
+    started[0].kill()
+    started[0].wait()
+    assert np.array_equal(read_step(paths[2]).points, first[2]) and len(started) == 2
+    opencascade._end_waiting()
+    assert started[1].returncode == 0
+
+
+def test_threads_and_forks_have_processes_of_their_own(tmp_path):
+    paths = [write(tmp_path, [((0, 0, 0), (size, 1, 1))], name=f"{size}.step") for size in (1, 2, 3, 4)]
+    alone = [read_step(path).points for path in paths]
+    with ThreadPoolExecutor(4) as threads:
+        together = list(threads.map(lambda path: read_step(path).points, paths))
+    with multiprocessing.get_context("fork").Pool(2) as forks:
+        apart = forks.map(read_points, paths)
+    for points, others, more in zip(alone, together, apart, strict=True):
+        assert np.array_equal(points, others) and np.array_equal(points, more)
+
+
+def read_points(path):
+    """Return the points of a file."""
+    return read_step(path).points

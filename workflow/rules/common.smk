@@ -58,6 +58,7 @@ from corpus.layout import (
     chosen_stages,
     line_behind,
 )
+from corpus.mesh_list import keep_mesh_list, recall_mesh_list
 from corpus.outcome import close_idle_runs, list_first, tell_outcome
 from corpus.process import find_full_disks, find_last_words
 from corpus.promises import find_altered, find_blocked_folders, find_broken_promises
@@ -119,7 +120,9 @@ if workflow.is_main_process:
 # Models and batches ----------------------------------------------------------
 
 try:
-    FOUND, OTHER_FILES, RENAMED = find_models(config["meshes"])
+    FOUND, OTHER_FILES, RENAMED = None if workflow.is_main_process else recall_mesh_list(), [], []
+    if FOUND is None:
+        FOUND, OTHER_FILES, RENAMED = find_models(config["meshes"])
     MODELS = pick_models(FOUND, config["only"])
     check_comparison(config, len(MODELS))
     OWN = read_sheet(config["models"], FOUND, GIVEN, SCHEMA)  # configurations of models that have one of their own
@@ -217,11 +220,13 @@ def inputs_of(wildcards):
     """Those of them, and of the files that they name, that Snakemake can take as inputs.
 
     It reads {x} as a wildcard and <x> as a path variable. Of the others
-    stamp_of tells when they change.
+    stamp_of tells when they change. In a job, one that is gone by now is its
+    model's fault, not the batch's.
     """
     meshes = [MODELS[model] for model in MEMBERS[wildcards.batch]]
     companions = [path for mesh in meshes for path, size, _ in mesh.companions if size is not None]
-    return [path for path in paths_of(wildcards) + companions if not set("{}<>") & set(path)]
+    paths = [path for path in paths_of(wildcards) + companions if not set("{}<>") & set(path)]
+    return paths if workflow.is_main_process else [path for path in paths if os.path.exists(path)]
 
 
 def models_of(wildcards):

@@ -150,7 +150,19 @@ def _read_primitive(asset, primitive, where, weights, joints):
         influences = read_influences(asset, attributes, where, position.count, rows, len(joints))
         points, mirrored = pose(points, *influences, joints)
         faces = faces[:, ::-1] if mirrored else faces
-    return Part(points, faces, [])
+    return Part(*_drop_unused(points, faces), [])
+
+
+def _drop_unused(points, faces):
+    """Return points and faces without the points that no face uses, where these are more than half.
+
+    So many primitives that each use a few vertices of one long accessor hold no copies of all of it.
+    """
+    used = np.zeros(len(points), bool)
+    used[faces] = True
+    if 2 * np.count_nonzero(used) >= len(points):
+        return points, faces
+    return points[used], (np.cumsum(used) - 1)[faces]
 
 
 def _leave_out(reason):

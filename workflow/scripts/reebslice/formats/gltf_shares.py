@@ -4,7 +4,7 @@ from ..errors import MeshFormatError
 
 # A few bytes can place a mesh, or name the elements of a buffer, any number of times. How many are read of what: so
 # many of any file, and so many for each byte of a larger one. What a file holds once is always fewer.
-MOST = {"elements": (2**26, 256), "vertices": (2**25, 1), "faces": (2**25, 1), "places": (2**20, 1 / 2)}
+MOST = {"elements": (2**26, 256), "vertices": (2**22, 4), "faces": (2**22, 4), "places": (2**20, 1 / 2)}
 
 
 def weigh(asset):

@@ -44,7 +44,7 @@ class Bodies(NamedTuple):
 def read_step(path):
     """Return the faces of a STEP file as triangles, in millimetres.
 
-    Curved faces are approximated to `step_tessellation.TOLERANCES`, relative to
+    Curved faces are approximated to `opencascade.TOLERANCES`, relative to
     the length of their edges, so that the size and the unit of the model do not
     matter.
 

@@ -2,8 +2,6 @@
 
 import json
 import re
-import subprocess
-import sys
 import tempfile
 from importlib.util import find_spec
 from pathlib import Path
@@ -12,16 +10,10 @@ from typing import NamedTuple
 import numpy as np
 
 from ..errors import MeshFormatError
+from .opencascade import convert_step
 
-TOLERANCES = {"tol_linear": 0.001, "tol_angular": 0.25, "tol_relative": True}
 MOST_TRIANGLES = 1 << 25  # what is placed many times; what is there once may always be read
 METRE = 1000.0  # millimetres in the unit of glTF
-# cascadio imports trimesh if it is there, to extend it, which takes longer than most files and is of no use here.
-_PROGRAM = """import sys
-sys.modules["trimesh"] = None
-import cascadio
-sys.exit(cascadio.step_to_glb(*sys.argv[1:], **{}))
-"""
 
 
 class Tessellation(NamedTuple):
@@ -56,9 +48,6 @@ class Tessellation(NamedTuple):
 def tessellate(data):
     """Return the `Tessellation` of a STEP file.
 
-    OpenCascade runs in a process of its own: it prints, and damaged files can
-    end its process.
-
     Parameters
     ----------
     data : bytes of the file
@@ -73,16 +62,14 @@ def tessellate(data):
     with tempfile.TemporaryDirectory() as folder:
         source, target = Path(folder, "model.step"), Path(folder, "model.glb")
         source.write_bytes(data)
-        program = [sys.executable, "-c", _PROGRAM.format(TOLERANCES), str(source), str(target)]
-        options = {"capture_output": True, "text": True, "errors": "replace"}
-        run = subprocess.run(program, check=False, **options)  # noqa: S603, words that stand here, names made here
-        if run.returncode == -9:
+        told = Path(folder, "told.txt")
+        code = convert_step(source, target, told)
+        if code == -9:
             raise MemoryError("the process that reads the STEP file was killed, most likely for want of memory")
-        if run.returncode or not target.exists():
-            lines = [
-                line.strip(" *") for line in re.sub(r"\x1b\[[\d;]*m", "", run.stdout).splitlines() if "ERR" in line
-            ]
-            told = lines[0][:200] if lines else f"its process ended with {run.returncode}"
+        if code or not target.exists():
+            text = re.sub(r"\x1b\[[\d;]*m", "", told.read_text(errors="replace") if told.exists() else "")
+            lines = [line.strip(" *") for line in text.splitlines() if "ERR" in line]
+            told = lines[0][:200] if lines else f"its process ended with {code}"
             raise MeshFormatError(f"OpenCascade cannot read the STEP file ({told}); it is damaged: export it again.")
         return parse_glb(target.read_bytes())
 

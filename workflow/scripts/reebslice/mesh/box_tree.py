@@ -65,7 +65,7 @@ def _spread(x):
 
 
 @njit
-def build_tree(points, faces, order, low):
+def build_tree(points, faces, low):
     """Build the tree of boxes over triangles.
 
     Boxes are in single precision, rounded outward and measured from `low`, so
@@ -74,9 +74,7 @@ def build_tree(points, faces, order, low):
     Parameters
     ----------
     points, faces : (n, 3) float64 and (m, 3) int32
-        Coordinates below 2^300, as those of `exact_signs.scale_points` are.
-    order : (m,) int32
-        Of `order_along_curve`.
+        Coordinates below 2^300, as those of `exact_signs.scale_points` are; faces in the order of `order_along_curve`.
     low : (3,) float64
         The lowest coordinates.
 
@@ -94,7 +92,7 @@ def build_tree(points, faces, order, low):
     spans, boxes = np.empty((m, 6), np.float32), np.empty((2 * first, 6), np.float32)
     boxes[:, :3], boxes[:, 3:] = np.inf, -np.inf
     for place in range(m):
-        i, j, k = faces[order[place]]
+        i, j, k = faces[place]
         leaf = first + place // LEAF
         for axis in range(3):
             x, y, z = points[i, axis], points[j, axis], points[k, axis]

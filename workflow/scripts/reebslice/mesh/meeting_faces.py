@@ -13,27 +13,30 @@ from .exact_signs import PLANE_BOUND, UNDERFLOW, bounded_turn
 class FaceTree(NamedTuple):
     """Faces in a tree of boxes, with what tells quickly that two of them are apart.
 
+    Faces are in the order of a curve through space, by places, and vertices as
+    these name them first, so that what is near in space is so in memory.
+
     Attributes
     ----------
     points, faces : (n, 3) float64 and (m, 3) int32
-        Of `exact_signs.scale_points`.
+        By place.
     facing : (m,) int8
-        Of `embedded_stars.face_outward`.
+        Of `embedded_stars.face_outward`, by place.
+    embedded : (n,) bool
+        Of `embedded_stars.find_embedded`.
     order : (m,) int32
-        The face in each place of the tree.
+        The face in each place.
     spans, boxes : (m, 6) and (2 p, 6) float32
         Of `box_tree.build_tree`, by place.
-    marks : (m, 3) int64
-        Of each corner twice the vertex, and 1 more if it is one of `embedded_stars.find_embedded`; by place.
     """
 
     points: np.ndarray
     faces: np.ndarray
     facing: np.ndarray
+    embedded: np.ndarray
     order: np.ndarray
     spans: np.ndarray
     boxes: np.ndarray
-    marks: np.ndarray
 
 
 def plant_tree(points, faces):
@@ -50,22 +53,27 @@ def plant_tree(points, faces):
     -------
     FaceTree
     """
+    order = order_along_curve(points, faces)
+    points, faces = _lay_out(points, faces, order)
     seen, facing = face_outward(points, faces)
     embedded = find_embedded(points, faces, seen)
-    order = order_along_curve(points, faces)
-    spans, boxes = build_tree(points, faces, order, points.min(axis=0))
-    return FaceTree(points, faces, facing, order, spans, boxes, _mark(faces, order, embedded))
+    return FaceTree(points, faces, facing, embedded, order, *build_tree(points, faces, points.min(axis=0)))
 
 
 @njit
-def _mark(faces, order, embedded):
-    """The marks of the corners of the faces, in the order given."""
-    marks = np.empty((len(order), 3), np.int64)
-    for place in range(len(order)):
+def _lay_out(points, faces, order):
+    """The faces in the order given, and their vertices in the order in which these name them first."""
+    place, names = np.full(len(points), np.int32(-1)), np.empty((len(order), 3), np.int32)
+    laid, count = np.empty_like(points), 0
+    for f in range(len(order)):
         for k in range(3):
-            v = faces[order[place], k]
-            marks[place, k] = 2 * v + embedded[v]
-    return marks
+            v = faces[order[f], k]
+            if place[v] < 0:
+                place[v] = count
+                laid[count, 0], laid[count, 1], laid[count, 2] = points[v, 0], points[v, 1], points[v, 2]
+                count += 1
+            names[f, k] = place[v]
+    return laid[:count], names
 
 
 @njit
@@ -89,24 +97,38 @@ def walk_on(tree, stack, height, pairs):
     count : int
         How many pairs of places have been entered whose boxes meet.
     """
-    spans, boxes, m = tree.spans, tree.boxes, len(tree.order)
+    spans, boxes, last = tree.spans, tree.boxes, len(tree.order) - 1
     first, count = len(boxes) // 2, 0
     while height > 0 and count + LEAF * LEAF < len(pairs):
         height -= 1
         a, b = stack[height]
-        # What is written beyond the count is overwritten: a branch would be mispredicted every other time.
+        # All four first, and each is written: one that does not meet is overwritten by the next, since a branch would
+        # be mispredicted every other time.
         if a < first:
-            for one in (2 * a, 2 * a + 1):
-                for two in (2 * b, 2 * b + 1):
-                    stack[height, 0], stack[height, 1] = one, two
-                    height += (one <= two) & boxes_meet(boxes, one, boxes, two)
-            continue
-        a, b = LEAF * (a - first), LEAF * (b - first)
-        for f in range(a, min(a + LEAF, m)):
-            for g in range(b, min(b + LEAF, m)):
-                pairs[count, 0], pairs[count, 1] = f, g
-                count += (f < g) & boxes_meet(spans, f, spans, g)
+            a, b = 2 * a, 2 * b
+            meet = boxes_meet(boxes, a, boxes, b), boxes_meet(boxes, a, boxes, b + 1)
+            more = (a != b) & boxes_meet(boxes, a + 1, boxes, b), boxes_meet(boxes, a + 1, boxes, b + 1)
+            height += _put(stack, height, a, b, meet[0])
+            height += _put(stack, height, a, b + 1, meet[1])
+            height += _put(stack, height, a + 1, b, more[0])
+            height += _put(stack, height, a + 1, b + 1, more[1])
+        else:
+            a, b = LEAF * (a - first), LEAF * (b - first)
+            c, d = min(a + 1, last), min(b + 1, last)  # of the last leaf there may be but one
+            meet = (a < b) & boxes_meet(spans, a, spans, b), (b < d) & boxes_meet(spans, a, spans, d)
+            more = (c < b) & boxes_meet(spans, c, spans, b), (c < d) & (b < d) & boxes_meet(spans, c, spans, d)
+            count += _put(pairs, count, a, b, meet[0])
+            count += _put(pairs, count, a, d, meet[1])
+            count += _put(pairs, count, c, b, more[0])
+            count += _put(pairs, count, c, d, more[1])
     return height, count
+
+
+@njit(inline="always")
+def _put(pairs, row, one, other, there):
+    """Write a pair; return whether it is there to stay."""
+    pairs[row, 0], pairs[row, 1] = one, other
+    return there
 
 
 @njit
@@ -122,26 +144,26 @@ def thin_out(tree, pairs):
     Returns
     -------
     (c', 2) int32
-        The faces of the pairs that are left, the lower number first.
+        The places of the pairs that are left, that of the face of the lower number first.
     """
-    count = 0
+    count, left = 0, 0
     for f, g in pairs:
-        if _are_known(tree.marks, f, g):
-            continue
-        one, two = tree.order[f], tree.order[g]
-        if _may_meet(tree.points, tree.faces, tree.facing, one, two):
-            pairs[count, 0], pairs[count, 1] = min(one, two), max(one, two)
-            count += 1
-    return pairs[:count]
+        count += _put(pairs, count, f, g, not _are_known(tree.faces, tree.embedded, f, g))
+    for f, g in pairs[:count]:
+        if _may_meet(tree.points, tree.faces, tree.facing, f, g):
+            swapped = tree.order[f] > tree.order[g]
+            pairs[left, 0], pairs[left, 1] = (g if swapped else f), (f if swapped else g)
+            left += 1
+    return pairs[:left]
 
 
 @njit(inline="always")
-def _are_known(marks, f, g):
+def _are_known(faces, embedded, f, g):
     """Whether two faces have a vertex in common around which all is embedded."""
-    p, q, r, found = marks[g, 0], marks[g, 1], marks[g, 2], False
+    p, q, r, found = faces[g, 0], faces[g, 1], faces[g, 2], False
     for k in range(3):
-        mark = marks[f, k]
-        found |= ((mark == p) | (mark == q) | (mark == r)) & (mark % 2 == 1)
+        v = faces[f, k]
+        found |= ((v == p) | (v == q) | (v == r)) & embedded[v]
     return found
 
 
@@ -160,17 +182,14 @@ def _is_beyond(points, f, g, facing):
     """Whether g is surely beyond some side of f, seen along an axis, but for vertices at the ends of that side."""
     axis = abs(facing) - 1
     x, y = (1, 2) if axis == 0 else ((2, 0) if axis == 1 else (0, 1))
+    found = False
     for i, j in ((f[0], f[1]), (f[1], f[2]), (f[2], f[0])):
         beyond = True
-        for v in g:
-            if v != i and v != j:
-                turn = bounded_turn(points[i, x], points[i, y], points[j, x], points[j, y], points[v, x], points[v, y])
-                if turn * facing >= 0:
-                    beyond = False
-                    break
-        if beyond:
-            return True
-    return False
+        for v in g:  # all nine: the processor would mispredict most branches
+            turn = bounded_turn(points[i, x], points[i, y], points[j, x], points[j, y], points[v, x], points[v, y])
+            beyond &= (v == i) | (v == j) | (turn * facing < 0)
+        found |= beyond
+    return found
 
 
 @njit(inline="always")
@@ -182,14 +201,13 @@ def _is_off(points, f, g):
     vx, vy, vz = points[k, 0] - ax, points[k, 1] - ay, points[k, 2] - az
     nx, ny, nz = uy * vz - uz * vy, uz * vx - ux * vz, ux * vy - uy * vx
     sx, sy, sz = abs(uy * vz) + abs(uz * vy), abs(uz * vx) + abs(ux * vz), abs(ux * vy) + abs(uy * vx)
-    before = 0.0
-    for v in g:
-        if v in (i, j, k):
-            continue
+    above, below, some = True, True, False
+    for v in g:  # without branches, likewise
         wx, wy, wz = points[v, 0] - ax, points[v, 1] - ay, points[v, 2] - az
         side = wx * nx + wy * ny + wz * nz
-        terms = abs(wx) * sx + abs(wy) * sy + abs(wz) * sz
-        if abs(side) <= PLANE_BOUND * terms + UNDERFLOW or side * before < 0:
-            return False
-        before = 1.0 if side > 0 else -1.0
-    return before != 0
+        open_until = PLANE_BOUND * (abs(wx) * sx + abs(wy) * sy + abs(wz) * sz) + UNDERFLOW
+        common = (v == i) | (v == j) | (v == k)
+        above &= common | (side > open_until)
+        below &= common | (side < -open_until)
+        some |= not common
+    return (above | below) & some

@@ -70,12 +70,12 @@ def find_crossings(points, faces, most=MOST):
     while height and total < most:
         height, count = walk_on(tree, stack, height, room)
         pairs = thin_out(tree, room[:count])
-        verdicts = _judge(points, faces, pairs)
+        verdicts = _judge(tree.points, tree.faces, pairs)
         along = np.flatnonzero(verdicts == face_pairs.ALONG_SIDE)
         if len(along):
-            twins = find_twins(faces, len(points)) if twins is None else twins
-            verdicts[along] = _judge_along(points, faces, twins, pairs[along])
-        found.append(pairs[verdicts > 0])
+            twins = find_twins(tree.faces, len(tree.points)) if twins is None else twins
+            verdicts[along] = _judge_along(tree.points, tree.faces, twins, pairs[along])
+        found.append(tree.order[pairs[verdicts > 0]])
         kinds.append(verdicts[verdicts > 0])
         total += len(found[-1])
     pairs, folded = np.concatenate(found), np.concatenate(kinds) == face_pairs.FOLD
