@@ -12,7 +12,7 @@ from reebslice.graphs.reeb_graphs import describe_graph
 from reebslice.morse.height_mesh import height_mesh
 from reebslice.schemas import EXACT_GRAPHS
 
-OUTPUTS = ("exact_nodes.parquet", "exact_arcs.parquet", *(f"{name}.graphml" for name in EXACT_GRAPHS))
+OUTPUTS = ("exact_nodes.parquet", "exact_arcs.parquet", "exact_surface.graphml", "exact_solid.graphml")
 
 
 def main(source, target, options):

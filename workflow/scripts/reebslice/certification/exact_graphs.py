@@ -63,7 +63,7 @@ def certify_exact_graphs(tables, tilt, graphs, inspection, model):
         alone; figures; and `checks`, each by name with its two sides. Never raises on account of the tables.
     """
     facts = Facts(tables, tilt, graphs, 0.0, inspection=inspection, model=model)
-    found = SimpleNamespace(loops_solid=None, n_open=0, odd=bool(inspection.get("self_crossings")), figures={})
+    found = SimpleNamespace(n_open=0, odd=bool(inspection.get("self_crossings")), figures={})
     ledgers = Ledger(), Ledger()
     for steps, ledger in zip(((_check_form, _check_surface), (_check_solid,)), ledgers):
         for step in steps:
@@ -79,7 +79,6 @@ def certify_exact_graphs(tables, tilt, graphs, inspection, model):
         "reason": "" if exact else _tell_why(ledgers, found),
         "surface_verdict": "exact" if surface else "uncertified",
         **found.figures,
-        "loops_solid": found.loops_solid,
         "height_interpretation": BY_SOS if tilt.get("morse") == "by_sos" else "",
         "solid_interpretation": APART if inspection.get("body_crossings") else "",
         "checks": ledgers[0].checks | ledgers[1].checks,
@@ -132,7 +131,9 @@ def _check_surface(facts, found, ledger):
     ledger.enter("exact_arcs.arc", np.array_equal(arcs["arc"], np.arange(of.sum())), True)
     body = facts.body[surface.shell]
     found.swept, doubts = sweep_surface(surface, facts.sides, body)
-    found.figures = check_surface_graph(ledger, surface, facts.sides, t | {"at": point, "value": t["height"]}, arcs, found.swept)
+    nodes = t | {"at": point, "value": t["height"]}
+    figures = check_surface_graph(ledger, surface, facts.sides, nodes, arcs, found.swept)
+    found.figures = {"loops_surface": figures.pop("loops"), "loops_solid": None} | figures
     _check_graph(facts, ledger, "exact_surface", arcs, np.ones(len(point), bool))
     found.n_open, odd = settle_doubts(surface, facts.sides, body, found.swept, doubts)
     found.odd, found.at = found.odd or odd, point
@@ -213,7 +214,7 @@ def _check_solid_arcs(facts, found, ledger, ends):
     says = "" if stated == wanted else "What is around the holes joins the outer contours otherwise."
     ledger.enter("exact_arcs.solid", stated.total(), wanted.total(), stated == wanted, says)
     ledger.enter("solid.components and loops", [parts, loops], list(told))
-    found.loops_solid, most = loops, facts.betti[1]
+    found.figures["loops_solid"], most = loops, facts.betti[1]
     ledger.enter("loops_solid <= b1", loops, f"at most {most}", loops <= most)
 
 

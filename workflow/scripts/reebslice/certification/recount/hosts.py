@@ -29,6 +29,15 @@ class Level(NamedTuple):
     room: float
 
 
+class Line(NamedTuple):
+    """A line along x at `y`, of which the part from `start` on counts, through faces of a body, but for one contour."""
+
+    y: float
+    start: float
+    body: int
+    own: int
+
+
 class Hits(NamedTuple):
     """Room for what a line meets, in any order: `x`, its `room`, the `way`, 1 or -1, and the `label` of each contour.
 
@@ -59,28 +68,44 @@ def level_below(points, cut, reach):
 
 @njit
 def list_places(state, x):
-    """Some faces (TRIES,) of the contour of a member, which becomes the root, -1 for none; none along one y."""
+    """List some faces of the contour of a member, which becomes the root.
+
+    Parameters
+    ----------
+    state : sweep.State
+    x : int
+        A mesh edge that the contour crosses.
+
+    Returns
+    -------
+    places : (TRIES,) int32
+        Faces that are not along one y, -1 for none.
+    own : (k,) int32
+        All its faces, or none of a contour that is longer than `SEEN`.
+    """
     rings, faces, corners, points = state.rings, state.sides.faces, state.surface.corners, state.surface.points
     raise_member(rings, x)
-    nodes, found, n_nodes, n_found, k = np.empty(SEEN, np.int32), np.full(TRIES, -1, np.int32), 1, 0, 0
-    nodes[0] = x
-    while k < n_nodes and n_found < TRIES:
+    nodes, places, own = np.empty(SEEN + 2, np.int32), np.full(TRIES, -1, np.int32), np.empty(2 * SEEN, np.int32)
+    nodes[0], n_nodes, n_places, n_own, k = x, 1, 0, 0, 0
+    while k < n_nodes <= SEEN:
         for face in faces[nodes[k]]:
-            a, b, c = corners[face]
-            if not points[a, 1] == points[b, 1] == points[c, 1]:
-                found[n_found] = face
-                n_found += 1
-                break
+            if state.sides.of_face[face, 2] == nodes[k]:  # so each comes once
+                own[n_own] = face
+                n_own += 1
+                a, b, c = corners[face]
+                if n_places < TRIES and not points[a, 1] == points[b, 1] == points[c, 1]:
+                    places[n_places] = face
+                    n_places += 1
         for child in (rings.left[nodes[k]], rings.right[nodes[k]]):
-            if child >= 0 and n_nodes < SEEN:
+            if child >= 0:
                 nodes[n_nodes] = child
                 n_nodes += 1
         k += 1
-    return found
+    return places, own[: n_own if n_nodes <= SEEN else 0]
 
 
 @njit
-def look_along(state, level, face, own):
+def look_along(state, level, face, label, own):
     """Look along the line through the middle of the segment of a face.
 
     Parameters
@@ -89,8 +114,10 @@ def look_along(state, level, face, own):
     level : Level
     face : int
         Of the contour; faces of other bodies are passed over.
-    own : int
-        The contour's label.
+    label : int
+        That of the contour.
+    own : (k,) int
+        All its faces, or none, if they are not known.
 
     Returns
     -------
@@ -101,26 +128,50 @@ def look_along(state, level, face, own):
     host : int
         Label of the contour around a hole, or -1.
     """
-    surface, rings, strips, body, hits = state.surface, state.rings, state.strips, state.body, state.hits
-    _, y, _, end = cross_face(surface, face, level.cut, level.height)
+    strips, hits, body = state.strips, state.hits, state.body[face]
+    _, y, _, end = cross_face(state.surface, face, level.cut, level.height)
     if not abs(end - y) > 8 * level.room:
         return DOUBTFUL, 0, -1
-    y, count = (y + end) / 2, 0
+    y, count, start = (y + end) / 2, 0, -np.inf
+    if len(own):
+        count = _meet_faces(state, level, Line(y, start, body, -1), own, 0, label)
+        answer, kind, host = read_hits(hits, count, label) if count > 0 else (DOUBTFUL, 0, -1)
+        if answer == DOUBTFUL or kind == OUTER:
+            return answer, kind, host
+        start, room = hits.x[:count].max(), hits.room[:count].max()  # the last crossing stands for all
+        hits.x[0], hits.room[0], hits.way[0], hits.label[0], count = start, room, -1, label, 1
     strip = strip_of(strips, y)
-    for place in range(strips.start[strip], strips.start[strip] + strips.count[strip]):
-        other = strips.member[place]
-        if body[other] != body[face]:
+    members = strips.member[strips.start[strip] : strips.start[strip] + strips.count[strip]]
+    line = Line(y, start, body, label if count else -1)
+    count = _meet_faces(state, level, line, members, count, -1)
+    return read_hits(hits, count, label) if count > 0 else (DOUBTFUL, 0, -1)
+
+
+@njit
+def _meet_faces(state, level, line, members, count, known):
+    """Note where a line meets faces, after `count` that are noted; how many then are, or -1 where rounding hides it.
+
+    known : label of the contours of all, or -1.
+    """
+    surface, hits, points, y = state.surface, state.hits, state.surface.points, line.y
+    for face in members:
+        a, b, c = surface.corners[face]
+        one, two, three = points[a, 1], points[b, 1], points[c, 1]
+        if min(one, two, three) - level.room > y or max(one, two, three) + level.room < y:
             continue
-        px, py, qx, qy = cross_face(surface, other, level.cut, level.height)
+        if state.body[face] != line.body or max(points[a, 0], points[b, 0], points[c, 0]) < line.start:
+            continue
+        px, py, qx, qy = cross_face(surface, face, level.cut, level.height)
         if abs(py - y) <= level.room or abs(qy - y) <= level.room:
-            return DOUBTFUL, 0, -1
+            return -1
         if (py < y) != (qy < y):
-            hits.x[count] = px + (y - py) / (qy - py) * (qx - px)
-            hits.room[count] = 8 * level.room * (1 + abs(qx - px) / max(abs(qy - py) - 2 * level.room, 1e-300))
-            hits.way[count] = 1 if qy > py else -1
-            hits.label[count] = label_of(rings, state.sides.of_face[other, 2])
-            count += 1
-    return read_hits(hits, count, own)
+            label = known if known >= 0 else label_of(state.rings, state.sides.of_face[face, 2])
+            if label != line.own:
+                hits.x[count], hits.way[count] = px + (y - py) / (qy - py) * (qx - px), 1 if qy > py else -1
+                hits.room[count] = 8 * level.room * (1 + abs(qx - px) / max(abs(qy - py) - 2 * level.room, 1e-300))
+                hits.label[count] = label
+                count += 1
+    return count
 
 
 @njit

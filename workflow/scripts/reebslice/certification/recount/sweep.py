@@ -12,7 +12,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ...kernels import njit
-from .hosts import DOUBTFUL, ODD, OUTER, TRIES, Hits, level_below, list_places, look_along, no_hits
+from .hosts import DOUBTFUL, ODD, OUTER, SEEN, TRIES, Hits, level_below, list_places, look_along, no_hits
 from .rings import (
     Rings,
     begin_ring,
@@ -126,7 +126,7 @@ def _begin(surface, sides, body):
     most = int(np.maximum(surface.changes[surface.index >= 0] // 2, 1).sum())
     arcs = Arcs(*(np.full(most, fill, np.int32) for fill in (-1, -1, 0, -1, -1)))
     body, rings, strips = np.ascontiguousarray(body, np.int32), no_rings(len(sides.lower)), lay_strips(surface)
-    hits = no_hits(int(np.diff(strips.start).max()), most)
+    hits = no_hits(int(np.diff(strips.start).max()) + 2 * SEEN, most)
     return State(surface, sides, rings, strips, body, of_vertex, by_high, hits), arcs
 
 
@@ -202,10 +202,10 @@ def _look(state, level, arcs, doubts, arc, edge):
     if ends and arcs.kind[arc] == OUTER:
         return False
     answer, kind, host = DOUBTFUL, 0, -1
-    faces = list_places(state, edge)
+    faces, own = list_places(state, edge)
     if level.height == level.height:
         for face in faces[faces >= 0]:
-            answer, kind, host = look_along(state, level, face, arc)
+            answer, kind, host = look_along(state, level, face, arc, own)
             if answer != DOUBTFUL:
                 break
     if answer == DOUBTFUL:
