@@ -39,7 +39,6 @@ DIFFERENT = (
 )
 
 
-
 def certify_exact_graphs(tables, tilt, graphs, inspection, model):
     """Certify the exact graphs of one model.
 
@@ -59,7 +58,7 @@ def certify_exact_graphs(tables, tilt, graphs, inspection, model):
     Returns
     -------
     dict
-        `verdict`: `exact` or `uncertified`, and `reason`, why it is; `surface_verdict`, that of the graph of the surface
+        `verdict`: `exact` or `uncertified`, and `reason`, why it is; `surface_verdict`, that of the surface's graph
         alone; figures; and `checks`, each by name with its two sides. Never raises on account of the tables.
     """
     facts = Facts(tables, tilt, graphs, 0.0, inspection=inspection, model=model)
@@ -113,7 +112,8 @@ def _check_surface(facts, found, ledger):
     if not ledger.holds():
         return
     t, surface = facts.columns.exact_nodes, facts.surface
-    point, ranks = expand_ranges(surface.weight[:-1], surface.weight[:-1] + np.where(surface.index < 0, 0, copies(surface)))
+    first, count = surface.weight[:-1], np.where(surface.index < 0, 0, copies(surface))
+    point, ranks = expand_ranges(first, first + count)
     ledger.enter("exact_nodes.rank", np.array_equal(t["rank"], ranks), True)
     if not ledger.holds():
         return
@@ -124,7 +124,7 @@ def _check_surface(facts, found, ledger):
         ("index", surface.index[point], "sign changes around it"),
         *((axis, column[surface.origin[point]], "its vertex") for axis, column in zip("xyz", facts.points)),
         ("persistence", np.abs(t["height"] - t["height"][t["partner"]]), "height to the partner"),
-        ("pairing", np.array([PAIRINGS.get(pair) for pair in _sort_pairs(t["index"], t["partner"])], object), "by indices"),
+        ("pairing", _name_pairings(t["index"], t["partner"]), "by the two indices"),
     )  # fmt: skip
     of = facts.columns.exact_arcs["graph"] == "surface"
     arcs = {name: column[of] for name, column in facts.columns.exact_arcs.items()}
@@ -139,8 +139,10 @@ def _check_surface(facts, found, ledger):
     found.odd, found.at = found.odd or odd, point
 
 
-def _sort_pairs(index, partner):
-    return map(tuple, np.sort(np.column_stack([index, index[partner]]), axis=1).tolist())
+def _name_pairings(index, partner):
+    """The word for the pair that each node is in."""
+    pairs = np.sort(np.column_stack([index, index[partner]]), axis=1).tolist()
+    return np.array([PAIRINGS.get(tuple(pair)) for pair in pairs], object)
 
 
 def _check_solid(facts, found, ledger):
@@ -228,7 +230,8 @@ def _check_graph(facts, ledger, name, arcs, shown):
     ledger.enter(f"{name}.nodes", graph.nodes == nodes, True)
     columns, letter = ("arc", "lower", "upper") if solid else ("arc", "lower", "upper", "inner"), "s" if solid else "c"
     pairs = zip(arcs["source"].tolist(), arcs["target"].tolist(), _rows(arcs, columns))
-    edges = {f"{letter}{row['arc']}": ({f"c{a}", f"c{b}"}, row | {"id": f"{letter}{row['arc']}"}) for a, b, row in pairs}
+    rows = ((f"c{a}", f"c{b}", row | {"id": f"{letter}{row['arc']}"}) for a, b, row in pairs)
+    edges = {row["id"]: ({a, b}, row) for a, b, row in rows}
     stated = {key: ({a, b}, data) for a, b, key, data in graph.edges}
     ledger.enter(f"{name}.edges", [stated == edges, len(graph.edges)], [True, len(edges)])
     about = {f"direction_{axis}": part for axis, part in zip("xyz", facts.tilt["direction"])}

@@ -1,6 +1,7 @@
 """The exact Reeb graphs of surface and solid as tables and as GraphML, without levels."""
 
 import numpy as np
+import pyarrow.compute as pc
 
 from ..errors import TooManyCrossingsError
 from ..formats.graphml import Graph
@@ -138,16 +139,15 @@ def name_graph(name, nodes, arcs):
     Graph
         Node c7 is the node 7 of `exact_nodes`; an edge's id is `c` or `s` and its number in `exact_arcs`.
     """
-    of, solid = name.removeprefix("exact_"), name == "exact_solid"
+    solid = name == "exact_solid"
     shown = nodes.filter(nodes["in_solid"]) if solid else nodes
     named = {}
     for row in shown.select(NODE_COLUMNS).to_pylist():
         words = {"label": f"c{row['node']} {row['operation']} {row['side']}"}
         named[f"c{row['node']}"] = words | row | {"change": row["change"] or ""}
-    columns = ("arc", "lower", "upper") if solid else ("arc", "lower", "upper", "inner")
-    edges = [
-        (f"c{row['source']}", f"c{row['target']}", {"id": f"{'s' if solid else 'c'}{row['arc']}"} | {k: row[k] for k in columns})
-        for row in arcs.to_pylist()
-        if row["graph"] == of
-    ]
+    columns, letter = ("arc", "lower", "upper", *([] if solid else ["inner"])), "s" if solid else "c"
+    edges = []
+    for row in arcs.filter(pc.equal(arcs["graph"], name.removeprefix("exact_"))).to_pylist():
+        facts = {"id": f"{letter}{row['arc']}"} | {column: row[column] for column in columns}
+        edges.append((f"c{row['source']}", f"c{row['target']}", facts))
     return Graph(named, edges)

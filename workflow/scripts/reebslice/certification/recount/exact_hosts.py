@@ -49,7 +49,7 @@ def settle_doubts(surface, sides, body, arcs, doubts):
             else:
                 odd |= note_look(arcs, doubts.arc[look], doubts.cut[look], kind, host) or answer == ODD
         open_looks = np.array(left + open_looks[face < 0].tolist(), np.int64)
-        if not len(left):
+        if not left:
             break
     return len(open_looks), odd
 

@@ -55,7 +55,9 @@ class Hits(NamedTuple):
 def no_hits(most, n_labels):
     """Make :class:`Hits` for lines that meet at most so many faces of contours with labels below `n_labels`."""
     kinds = np.float64, np.float64, np.int32, np.int32
-    return Hits(*(np.empty(most, kind) for kind in kinds), np.zeros(n_labels, np.int32), np.full(n_labels, -1, np.int32))
+    return Hits(
+        *(np.empty(most, kind) for kind in kinds), np.zeros(n_labels, np.int32), np.full(n_labels, -1, np.int32)
+    )
 
 
 @njit
@@ -83,13 +85,13 @@ def list_places(state, x):
     own : (k,) int32
         All its faces, or none of a contour that is longer than `SEEN`.
     """
-    rings, faces, corners, points = state.rings, state.sides.faces, state.surface.corners, state.surface.points
+    rings, faces, corners, points = state.rings, state.mesh.faces, state.mesh.corners, state.mesh.points
     raise_member(rings, x)
     nodes, places, own = np.empty(SEEN + 2, np.int32), np.full(TRIES, -1, np.int32), np.empty(2 * SEEN, np.int32)
     nodes[0], n_nodes, n_places, n_own, k = x, 1, 0, 0, 0
     while k < n_nodes <= SEEN:
         for face in faces[nodes[k]]:
-            if state.sides.of_face[face, 2] == nodes[k]:  # so each comes once
+            if state.mesh.of_face[face, 2] == nodes[k]:  # so each comes once
                 own[n_own] = face
                 n_own += 1
                 a, b, c = corners[face]
@@ -128,8 +130,8 @@ def look_along(state, level, face, label, own):
     host : int
         Label of the contour around a hole, or -1.
     """
-    strips, hits, body = state.strips, state.hits, state.body[face]
-    _, y, _, end = cross_face(state.surface, face, level.cut, level.height)
+    strips, hits, body = state.strips, state.hits, state.mesh.body[face]
+    _, y, _, end = cross_face(state.mesh, face, level.cut, level.height)
     if not abs(end - y) > 8 * level.room:
         return DOUBTFUL, 0, -1
     y, count, start = (y + end) / 2, 0, -np.inf
@@ -153,19 +155,19 @@ def _meet_faces(state, level, line, members, count, known):
 
     known : label of the contours of all, or -1.
     """
-    surface, hits, points, y = state.surface, state.hits, state.surface.points, line.y
+    mesh, hits, points, y = state.mesh, state.hits, state.mesh.points, line.y
     for face in members:
-        a, b, c = surface.corners[face]
+        a, b, c = mesh.corners[face]
         one, two, three = points[a, 1], points[b, 1], points[c, 1]
         if min(one, two, three) - level.room > y or max(one, two, three) + level.room < y:
             continue
-        if state.body[face] != line.body or max(points[a, 0], points[b, 0], points[c, 0]) < line.start:
+        if mesh.body[face] != line.body or max(points[a, 0], points[b, 0], points[c, 0]) < line.start:
             continue
-        px, py, qx, qy = cross_face(surface, face, level.cut, level.height)
+        px, py, qx, qy = cross_face(mesh, face, level.cut, level.height)
         if abs(py - y) <= level.room or abs(qy - y) <= level.room:
             return -1
         if (py < y) != (qy < y):
-            label = known if known >= 0 else label_of(state.rings, state.sides.of_face[face, 2])
+            label = known if known >= 0 else label_of(state.rings, state.mesh.of_face[face, 2])
             if label != line.own:
                 hits.x[count], hits.way[count] = px + (y - py) / (qy - py) * (qx - px), 1 if qy > py else -1
                 hits.room[count] = 8 * level.room * (1 + abs(qx - px) / max(abs(qy - py) - 2 * level.room, 1e-300))

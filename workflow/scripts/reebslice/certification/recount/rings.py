@@ -18,7 +18,7 @@ from ...kernels import njit
 
 
 class Rings(NamedTuple):
-    """Trees over E members, -1 for none: parent, left and right child (E,), and at each root the `label` of its tree."""
+    """Trees over E members: parent, left and right child (E,), -1 for none, and at each root the label of its tree."""
 
     parent: np.ndarray
     left: np.ndarray

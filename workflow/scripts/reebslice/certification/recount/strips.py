@@ -10,6 +10,17 @@ MOST_STRIPS = 8192
 ROUNDING = 64 * np.finfo(float).eps
 
 
+class Mesh(NamedTuple):
+    """What levels and lines need of a surface: of `Ranked` and `MeshEdges`, and the `body` of each face, (m,) int32."""
+
+    points: np.ndarray
+    corners: np.ndarray
+    even: np.ndarray
+    of_face: np.ndarray
+    faces: np.ndarray
+    body: np.ndarray
+
+
 class Strips(NamedTuple):
     """Strips of equal width, each with room for the faces that reach into it.
 
@@ -84,12 +95,12 @@ def strip_of(strips, y):
 
 
 @njit
-def cross_face(surface, face, cut, height):
+def cross_face(mesh, face, cut, height):
     """Find the segment in which a face meets a plane.
 
     Parameters
     ----------
-    surface : Ranked
+    mesh : Mesh
     face, cut : int
         Ranks from `cut` on are above the plane, which the face crosses.
     height : float
@@ -101,7 +112,7 @@ def cross_face(surface, face, cut, height):
         x and y where it begins, x and y where it ends; material is on its left. What rounding moves them by is within
         `ROUNDING` of the largest coordinate: the plane is the one at that very float.
     """
-    points, corners, even = surface.points, surface.corners, surface.even
+    points, corners, even = mesh.points, mesh.corners, mesh.even
     a, b, c = corners[face]
     ends = np.empty((2, 2))
     for k in range(2):
