@@ -331,6 +331,45 @@ rule export_model:
         run_job("export_model", input, output, params, log)
 
 
+# Builds the exact Reeb graphs of surface and solid without levels, of a mesh of any noise. Writes exact_nodes,
+# exact_arcs, and both graphs as GraphML; instead of levels, or beside them.
+rule build_graphs:
+    input:
+        status="results/status/select_tilt/{batch}.parquet",
+    output:
+        status="results/status/build_graphs/{batch}.parquet",
+    log:
+        "results/logs/build_graphs/{batch}.log",
+    priority: priority_at("build_graphs")
+    resources:
+        mem_mb=memory_of,
+        runtime=runtime_of,
+    params:
+        options={},
+        code=CODE["build_graphs"],
+    run:
+        run_job("build_graphs", input, output, params, log)
+
+
+# Certifies these graphs by a sweep over the mesh. Writes exact_graphs.json.
+rule certify_graphs:
+    input:
+        status="results/status/build_graphs/{batch}.parquet",
+    output:
+        status="results/status/certify_graphs/{batch}.parquet",
+    log:
+        "results/logs/certify_graphs/{batch}.log",
+    priority: priority_at("certify_graphs")
+    resources:
+        mem_mb=memory_of,
+        runtime=runtime_of,
+    params:
+        options={},
+        code=CODE["certify_graphs"],
+    run:
+        run_job("certify_graphs", input, output, params, log)
+
+
 # Builds the Reeb graphs of other functions on the surface than the height, and certifies them. Writes function_values,
 # function_nodes, function_arcs, functions.graphml and functions.json; aside of the stages above.
 rule graph_functions:

@@ -16,6 +16,8 @@ OUTPUTS = ("levels.parquet", "contours.parquet", "unfoldings.parquet", "pieces.p
 
 def main(source, target, options):
     """Slice the model in folder `source`, write its tables to folder `target`."""
+    if options["refine"] == "graphs":
+        raise Rejected("There are no levels with levels: {refine: graphs}. Take refine: feature for tables of levels.")
     points = read_points(source)
     mesh = height_mesh(points, read_faces(source), read_rotation(source))
     shell, body = (column[mesh.vertex] for column in read_shells(source, len(points)))
@@ -25,7 +27,7 @@ def main(source, target, options):
     except TooManyCrossingsError as fault:
         raise Rejected(
             f"{fault}. Take a larger distance between levels, or, if the mesh is noisy, levels: {{refine: feature}}, "
-            "which does not tell all of the noise apart."
+            "which does not tell all of the noise apart, or {refine: graphs}, which does, without levels."
         ) from None
     write_table(target / "levels.parquet", "levels", levels_table(slices, refined))
     write_blocks(target / "contours.parquet", "contours", contours_blocks(mesh, slices, shell))

@@ -26,6 +26,8 @@ BEFORE = {
     "colour_faces": "synthesize_edges",
     "decompose_solid": "synthesize_edges",
     "export_model": "certify",
+    "build_graphs": "select_tilt",
+    "certify_graphs": "build_graphs",
     "graph_functions": "inspect_mesh",
     "describe_shape": "graph_functions",
     "trace_centrelines": "inspect_mesh",
@@ -67,6 +69,8 @@ def line_behind(stage):
 def chosen_stages(config):
     """Return the stages of the default target that the checked configuration wants."""
     wanted = {stage: (config[group] if group else config)[key] for stage, (group, key) in SIDE_STAGES.items()}
+    refine = config["levels"]["refine"]
+    wanted |= {"slice_mesh": refine != "graphs", "build_graphs": refine in ("exact", "graphs")}
     return tuple(stage for stage in STAGES if all(wanted.get(each, True) for each in line_to(stage)))
 
 

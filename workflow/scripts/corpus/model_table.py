@@ -11,7 +11,8 @@ from .receipts import forget_stage
 from .storage import read_json
 
 # Files of figures, and the stages that write them; of figures of one name, that of the later file counts.
-FIGURES = {"inspection.json": "inspect_mesh", "sampling.json": "classify_handles", "certificate.json": "certify"}
+FIGURES = {"inspection.json": "inspect_mesh", "sampling.json": "classify_handles"}
+FIGURES |= {"exact_graphs.json": "certify_graphs", "certificate.json": "certify"}
 FIGURES |= {"pockets.json": "find_pockets", "loops.json": "find_loops", "centrelines.json": "trace_centrelines"}
 FIGURES |= {"functions.json": "graph_functions"}
 FIRST = ("model", "path", "status", "reason", "verdict")
@@ -36,10 +37,12 @@ def make_model_table(tables):
 
 def _join_stages(stages, paths):
     """Return the rows of one batch, from its status tables in the order of stages."""
-    rows = {}
+    rows, without = {}, set()
     for stage, path in zip(stages, paths, strict=True):
         for entry in read_status(path):
             row = rows.setdefault(entry["model"], _begun(entry))
+            if stage == "certify_graphs" and entry["status"] == "ok":
+                without.add(entry["model"])
             if row["status"] == "ok":  # the first stage that is not tells why
                 aside = stage in SIDE_STAGES and entry["status"] in ("rejected", "skipped")  # its graphs are there
                 row["status"] = "ok" if aside else entry["status"]
@@ -47,6 +50,8 @@ def _join_stages(stages, paths):
             row[f"seconds_{stage}"] = entry["seconds"]
             row[f"peak_memory_mb_{stage}"] = entry["peak_memory_mb"]
     for row in rows.values():
+        if row["status"] == "rejected" and row["model"] in without:  # its graphs are there, made without levels
+            row |= {"status": "ok", "reason": f"Exact graphs alone, without levels: {row['reason']}"}
         figures, fault = _figures(row["model"], stages)
         row |= {name: figure for name, figure in figures.items() if name not in row}
         if fault and row["status"] in ("ok", "rejected"):

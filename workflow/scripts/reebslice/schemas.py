@@ -20,6 +20,7 @@ FORMAT_VERSION = "2"
 PIECE_KINDS = ("cylinder", "birth", "death", "join", "split", "compound", "unseen")
 OPERATIONS = ("creation", "union", "separation", "annihilation")
 GRAPHS = ("solid", "surface", "void", "augmented", "solid_simplified", "surface_simplified")
+EXACT_GRAPHS = ("exact_surface", "exact_solid")  # without levels
 PAIRINGS = ("ordinary", "relative", "loop", "extended")
 VERDICTS = ("exact", "exact_at_feature_size", "uncertified", "rejected")
 

@@ -13,7 +13,7 @@ ROW_IDS = {
     )
 } | {
     "critical_points": "critical", "critical_arcs": "arc", "unfoldings": "unfolding", "centreline_points": "point",
-    "branches": "branch",
+    "branches": "branch", "exact_nodes": "node",
 }  # fmt: skip
 # Foreign keys: of every table the columns that hold numbers of rows, or lists of
 # them, and the table whose rows they are. Regions are the rows of `nodes`, and no
@@ -56,6 +56,8 @@ REFERENCES = {
     ),
     "parts": (("solid_arc", "arcs"),),
     "regions": (("region", "nodes"), ("level", "levels")),
+    "exact_nodes": (("vertex", "vertices"), ("partner", "exact_nodes")),
+    "exact_arcs": (("source", "exact_nodes"), ("target", "exact_nodes")),
     "function_values": (("vertex", "vertices"),),
     "function_nodes": (("vertex", "vertices"),),
     "branches": (

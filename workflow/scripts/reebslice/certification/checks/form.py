@@ -26,7 +26,7 @@ def check_form(facts, ledger):
     tables, apart = facts.tables, {} if facts.read_curves is None else {"contours": ("geometry",)}
     faults = [fault for name in MODEL_TABLES for fault in _schema_fault(name, tables.get(name), apart.get(name, ()))]
     if not faults:
-        columns = {name: {c: _read(tables[name][c]) for c in tables[name].column_names} for name in MODEL_TABLES}
+        columns = {name: {c: read_column(tables[name][c]) for c in tables[name].column_names} for name in MODEL_TABLES}
         facts.columns = SimpleNamespace(**columns)
         size = {name: tables[name].num_rows for name in MODEL_TABLES}
         for name, of_table in columns.items():
@@ -50,13 +50,13 @@ def _schema_fault(name, table, apart):
     return []
 
 
-def _read(column):
+def read_column(column):
     """Numbers and flags as an array, -1 or NaN for null, and words; lists as a list of lists; bytes as they are."""
     kind = column.type
     if pa.types.is_binary(kind):
         return column
     if pa.types.is_boolean(kind):
-        return _read(column.cast(pa.int8())).astype(bool)
+        return read_column(column.cast(pa.int8())).astype(bool)
     if pa.types.is_integer(kind) or pa.types.is_floating(kind):
         missing = -1 if pa.types.is_integer(kind) else np.nan
         return np.from_dlpack((column.fill_null(missing) if column.null_count else column).combine_chunks())
@@ -65,7 +65,7 @@ def _read(column):
 
 def _handle_faults(tables, size):
     """What is wrong with the handles that edges name, as sentences."""
-    rows = _read(tables["edges"]["handle"].drop_null())
+    rows = read_column(tables["edges"]["handle"].drop_null())
     if len(rows) and not 0 <= rows.min() <= rows.max() < size["handles"]:
         yield "Column handle of table edges names a row that table handles does not have."
 
