@@ -58,7 +58,7 @@ def test_every_job_asks_for_memory_and_time(tmp_path):
     write_box(tmp_path / "meshes/a.off")
     jobs = plan(tmp_path, "all", "compare_methods", "compare_directions")
     assert set(jobs) == {
-        *(*STAGES, *ASKED_FOR), *("collect_models", "report_models"), *("compare_methods", "compare_directions", "all")
+        *(*STAGES, *ASKED_FOR), *("collect_models", "compare_shapes", "report_models"), *("compare_methods", "compare_directions", "all")
     }  # fmt: skip
     for rule in set(jobs) - {"all"}:
         for text in jobs[rule]:

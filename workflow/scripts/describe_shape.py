@@ -19,7 +19,7 @@ def main(source, target, options):
     values = _split(read_table(source / "function_values.parquet", "function_values"))
     graphs = {}
     for name, certificate in certificates.items():
-        if certificate["verdict"] in ("exact", "consistent"):
+        if certificate["verdict"] == "exact":
             up = certificate.get("direction")
             of_vertices = values[name]["value"] if up is None else directional_height(points, up)
             graphs[name] = (of_vertices, *(table[name] for table in tables))

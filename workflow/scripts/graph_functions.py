@@ -26,7 +26,7 @@ OUTPUTS = (
     "functions.json",
 )
 MADE = {"geodesic": geodesic_distance, "barycentre": barycentric_distance}
-WORSE = ("exact", "consistent", "uncertified", "rejected")  # of verdicts the later
+WORSE = ("exact", "uncertified", "rejected")  # of verdicts the later
 
 
 def main(source, target, options):
