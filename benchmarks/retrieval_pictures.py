@@ -1,13 +1,13 @@
 """A picture of the worst retrievals: a query a row, then what was found first, and the first right one."""
 
 import numpy as np
-from retrieval_models import class_of, clean_surface
 
 from reebslice.drawing.canvas import Words, encode_png, new_canvas, write_words
 from reebslice.drawing.marks import INK
 from reebslice.drawing.rasters import rasterize_mesh
 from reebslice.drawing.shading import shade_layers
 from reebslice.drawing.views import fit_view
+from retrieval_models import class_of, clean_surface
 
 WIDTH, HEIGHT, SHOWN = 190, 165, 5
 WRONG = (0.75, 0.2, 0.15)
