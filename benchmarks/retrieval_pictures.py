@@ -10,7 +10,7 @@ from reebslice.drawing.views import fit_view
 from retrieval_models import class_of, clean_surface
 
 WIDTH, HEIGHT, SHOWN = 190, 165, 5
-WRONG = (0.75, 0.2, 0.15)
+WRONG = "#b3361e"
 
 
 def draw_worst(folder, numbers, distances, order, path, names):

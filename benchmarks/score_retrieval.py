@@ -26,7 +26,7 @@ NAMES = (
 ).split()
 SPLITS = {"even": range(2, NUMBER + 1, 2), "odd": range(1, NUMBER + 1, 2), "all": range(1, NUMBER + 1)}
 BASELINES = {"D2 histogram": ("d2",), "D2, compactness, eccentricities": ("d2", "compactness", "eccentricities")}
-OURS, RANKED = "descriptors", "descriptors, ranked by neighbourhood"
+OURS, STILL, RANKED = "descriptors", "descriptors, no heights", "descriptors, ranked by neighbourhood"
 
 
 def main(arguments=None):
@@ -55,7 +55,8 @@ def matrices(tables, plain):
     """Distances by every way, by its name."""
     distances = compare_descriptors(tables)
     ways = {name: compare_plainly(plain, parts) for name, parts in BASELINES.items()}
-    return ways | {OURS: distances, RANKED: rank_by_neighbourhood(distances)}
+    still = compare_descriptors([keep(table.to_pydict(), lambda key: key[1] != "height") for table in tables])
+    return ways | {STILL: still, OURS: distances, RANKED: rank_by_neighbourhood(distances)}
 
 
 def classes_of(numbers):
@@ -93,7 +94,8 @@ def tell_ablation(described):
     keys = list(zip(columns[0]["descriptor"], columns[0]["function"]))
 
     def score(kept):
-        return score_queries(compare_descriptors([keep(table, kept) for table in columns]), classes).mean(axis=0)
+        chosen = [keep(table, kept.__contains__) for table in columns]
+        return score_queries(compare_descriptors(chosen), classes).mean(axis=0)
 
     compared = [key for key in keys if key[0] in COMPARED]
     lines = [
@@ -108,8 +110,8 @@ def tell_ablation(described):
 
 
 def keep(columns, kept):
-    """The rows of a table's columns with these keys."""
-    rows = [row for row, key in enumerate(zip(columns["descriptor"], columns["function"])) if key in kept]
+    """The rows of a table's columns whose keys (descriptor, function) are kept."""
+    rows = [row for row, key in enumerate(zip(columns["descriptor"], columns["function"])) if kept(key)]
     return {name: [column[row] for row in rows] for name, column in columns.items()}
 
 
