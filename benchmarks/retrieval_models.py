@@ -30,7 +30,7 @@ def class_of(number):
 
 
 def clean_surface(path, turn=None):
-    """Points and faces of a mesh file, cleaned as the workflow does; turn : seed of a random rotation, None for none."""
+    """Points and faces of a mesh file, cleaned as the workflow does; turn : seed of a random rotation, or None."""
     mesh = read_mesh(path)
     points = mesh.points if turn is None else mesh.points @ random_rotation(turn).T
     tables, inspection = inspect_surface(points, mesh.faces)
@@ -49,9 +49,11 @@ def random_rotation(seed):
 
 def graph_functions(points, faces, intrinsic=True, directions=DIRECTIONS):
     """Graphs of the functions that the descriptors are of, as `functions: [geodesic, barycentre, directions:N]`."""
-    values = {"geodesic": geodesic_distance(points, faces), "barycentre": barycentric_distance(points, faces)}
-    values = values if intrinsic else {}
-    values |= {f"height:{k}": directional_height(points, up) for k, up in enumerate(spread_axes(directions))}
+    values = {}
+    if intrinsic:
+        values = {"geodesic": geodesic_distance(points, faces), "barycentre": barycentric_distance(points, faces)}
+    if directions:
+        values |= {f"height:{k}": directional_height(points, up) for k, up in enumerate(spread_axes(directions))}
     return {name: (value, *graph_function(name, value, points, faces)) for name, value in values.items()}
 
 
@@ -62,7 +64,11 @@ def describe_model(path, target, turn):
         return
     points, faces = clean_surface(path, turn)
     plain = describe_plainly(points, faces, sample_surface(points, faces)[0])
-    rows = {"descriptor": list(plain), "function": [""] * len(plain), "values": [list(map(float, v)) for v in plain.values()]}
+    rows = {
+        "descriptor": list(plain),
+        "function": [""] * len(plain),
+        "values": [list(map(float, v)) for v in plain.values()],
+    }
     for file, columns in zip(files, (describe_surface(points, faces, graph_functions(points, faces)), rows)):
         written = file.with_suffix(".part")
         pq.write_table(build_table("descriptors", columns), written)

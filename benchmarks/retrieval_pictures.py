@@ -1,16 +1,17 @@
 """A picture of the worst retrievals: a query a row, then what was found first, and the first right one."""
 
 import numpy as np
-from retrieval_models import class_of, clean_surface
+from PIL import Image
 
-from reebslice.drawing.canvas import Words, encode_png, new_canvas, write_words
+from reebslice.drawing.canvas import Words, new_canvas, write_words
 from reebslice.drawing.marks import INK
 from reebslice.drawing.rasters import rasterize_mesh
 from reebslice.drawing.shading import shade_layers
 from reebslice.drawing.views import fit_view
+from retrieval_models import class_of, clean_surface
 
 WIDTH, HEIGHT, SHOWN = 190, 165, 5
-WRONG = (0.75, 0.2, 0.15)
+WRONG = "#b3361e"
 
 
 def draw_worst(folder, numbers, distances, order, path, names):
@@ -37,7 +38,7 @@ def draw_worst(folder, numbers, distances, order, path, names):
             cells.append(draw(row, names[class_of(numbers[row])], INK if good else WRONG))
         cells.append(draw(found[first], f"first right, place {first + 1}"))
         rows.append(np.hstack(cells))
-    path.write_bytes(encode_png(np.vstack(rows)))
+    Image.fromarray(np.vstack(rows)).quantize(64).save(path, optimize=True)
 
 
 def _draw_model(path):

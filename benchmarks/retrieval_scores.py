@@ -1,4 +1,4 @@
-"""How well distances between models find those of the same class; and the plain descriptors that others are held against."""
+"""How well distances between models find those of the same class; and plain descriptors to hold others against."""
 
 import numpy as np
 
@@ -10,9 +10,9 @@ def score_queries(distances, classes):
     """Score every model as a query against all others, in percent: (M, 4), columns as MEASURES.
 
     With C - 1 others in the class of the query: whether the nearest is one of them (nearest neighbour); the share
-    of them among the C - 1 nearest (first tier) and the 2 (C - 1) nearest (second tier); and discounted cumulative gain,
-    the sum of 1 / log2(rank) over their ranks, rank 1 counting 1, over that of a perfect list. The query itself is left
-    out. Of equal distances the model with the lower row is first.
+    of them among the C - 1 nearest (first tier) and the 2 (C - 1) nearest (second tier); and discounted cumulative
+    gain, the sum of 1 / log2(rank) over their ranks, rank 1 counting 1, over that of a perfect list. The query itself
+    is left out. Of equal distances the model with the lower row is first.
 
     P. Shilane, P. Min, M. Kazhdan and T. Funkhouser, The Princeton shape benchmark, SMI 2004,
     doi:10.1109/SMI.2004.1314504

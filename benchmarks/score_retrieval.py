@@ -1,11 +1,10 @@
 """Score the search for similar models on the watertight track of SHREC'07: the tables of docs/retrieval.md.
 
-    python benchmarks/score_retrieval.py SHREC_FOLDER [PRINCETON_FOLDER] [--results FOLDER] [--workers N] [--page FILE]
+    python benchmarks/score_retrieval.py SHREC_FOLDER [--results FOLDER] [--workers N] [--page FILE]
 
-SHREC_FOLDER holds 1.off to 400.off, twenty of a class after each other; PRINCETON_FOLDER, where it is given, a folder
-for each class of the labelled Princeton set, with NUMBER.off and NUMBER_labels.txt. Both are for academic use, and are read
-only. What was found for a model stays in the folder of results, and is not looked for again. Odd numbers are what choices
-were made on, even ones what counts.
+SHREC_FOLDER holds 1.off to 400.off, twenty of a class after each other. It is for academic use, and read only. What
+was found for a model stays in the folder of results, and is not looked for again. Odd numbers are what choices were
+made on, even ones what counts.
 """
 
 import argparse
@@ -13,27 +12,26 @@ import sys
 from pathlib import Path
 
 import numpy as np
+
 from pages import put_table
+from reebslice.descriptors.comparison import COMPARED, compare_descriptors, rank_by_neighbourhood
 from retrieval_models import NUMBER, ROOT, class_of, describe_models
 from retrieval_pictures import draw_worst
 from retrieval_rotations import tell_rotations
 from retrieval_scores import MEASURES, compare_plainly, score_queries
 
-from reebslice.descriptors.comparison import COMPARED, compare_descriptors, rank_by_neighbourhood
-
 NAMES = (
-    "human cup glasses airplane ant chair octopus table teddy hand pliers fish bird spring armadillo bust mechanic bearing"
-    " vase four-legged"
+    "human cup glasses airplane ant chair octopus table teddy hand pliers fish bird spring armadillo bust mechanic"
+    " bearing vase four-legged"
 ).split()
 SPLITS = {"even": range(2, NUMBER + 1, 2), "odd": range(1, NUMBER + 1, 2), "all": range(1, NUMBER + 1)}
 BASELINES = {"D2 histogram": ("d2",), "D2, compactness, eccentricities": ("d2", "compactness", "eccentricities")}
-OURS, RANKED = "descriptors", "descriptors, ranked by neighbourhood"
+OURS, STILL, RANKED = "descriptors", "descriptors, no heights", "descriptors, ranked by neighbourhood"
 
 
 def main(arguments=None):
     parser = argparse.ArgumentParser(description=__doc__.split("\n\n")[0])
     parser.add_argument("shrec", type=Path)
-    parser.add_argument("princeton", type=Path, nargs="?")
     parser.add_argument("--results", type=Path, default=Path("results/benchmarks/retrieval"))
     parser.add_argument("--workers", type=int, default=1)
     parser.add_argument("--page", type=Path, default=ROOT / "docs" / "retrieval.md")
@@ -46,10 +44,6 @@ def main(arguments=None):
     put_table(options.page, "worst", tell_worst(options.shrec, described, options.page.with_name("retrieval.png")))
     rotations = tell_rotations(options.shrec, options.results / "rotations", options.workers)
     put_table(options.page, "rotations", rotations)
-    if options.princeton:
-        from retrieval_parts import tell_parts
-
-        put_table(options.page, "parts", tell_parts(options.princeton))
 
 
 def choose(described, numbers):
@@ -61,7 +55,8 @@ def matrices(tables, plain):
     """Distances by every way, by its name."""
     distances = compare_descriptors(tables)
     ways = {name: compare_plainly(plain, parts) for name, parts in BASELINES.items()}
-    return ways | {OURS: distances, RANKED: rank_by_neighbourhood(distances)}
+    still = compare_descriptors([keep(table.to_pydict(), lambda key: key[1] != "height") for table in tables])
+    return ways | {STILL: still, OURS: distances, RANKED: rank_by_neighbourhood(distances)}
 
 
 def classes_of(numbers):
@@ -99,10 +94,14 @@ def tell_ablation(described):
     keys = list(zip(columns[0]["descriptor"], columns[0]["function"]))
 
     def score(kept):
-        return score_queries(compare_descriptors([keep(table, kept) for table in columns]), classes).mean(axis=0)
+        chosen = [keep(table, kept.__contains__) for table in columns]
+        return score_queries(compare_descriptors(chosen), classes).mean(axis=0)
 
     compared = [key for key in keys if key[0] in COMPARED]
-    lines = [f"| list | alone: {' | '.join(MEASURES)} | all but it: {' | '.join(MEASURES)} |", "| --- |" + " ---: |" * 8]
+    lines = [
+        f"| list | alone: {' | '.join(MEASURES)} | all but it: {' | '.join(MEASURES)} |",
+        "| --- |" + " ---: |" * 8,
+    ]
     for key in compared:
         cells = np.concatenate([score([key]), score([one for one in compared if one != key])])
         lines.append(f"| {' of '.join(filter(None, key))} | " + " | ".join(f"{cell:.1f}" for cell in cells) + " |")
@@ -111,8 +110,8 @@ def tell_ablation(described):
 
 
 def keep(columns, kept):
-    """The rows of a table's columns with these keys."""
-    rows = [row for row, key in enumerate(zip(columns["descriptor"], columns["function"])) if key in kept]
+    """The rows of a table's columns whose keys (descriptor, function) are kept."""
+    rows = [row for row, key in enumerate(zip(columns["descriptor"], columns["function"])) if kept(key)]
     return {name: [column[row] for row in rows] for name, column in columns.items()}
 
 

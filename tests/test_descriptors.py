@@ -9,6 +9,7 @@ import trimesh
 from hypothesis import given
 from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
+from scipy.special import eval_legendre
 
 from reebslice.descriptors.arcs import LENGTHS, RADII, VOLUMES, describe_arcs
 from reebslice.descriptors.comparison import COMPARED, compare_descriptors, rank_by_neighbourhood
@@ -21,7 +22,16 @@ from reebslice.descriptors.persistence import (
     turn_pairs,
 )
 from reebslice.descriptors.surface import describe_surface
-from reebslice.descriptors.surface_points import STEPS, betti_numbers, relate_pairs, sample_surface, volume_of
+from reebslice.descriptors.surface_points import (
+    DEGREES,
+    STEPS,
+    betti_numbers,
+    normal_powers,
+    relate_pairs,
+    sample_surface,
+    volume_of,
+)
+from reebslice.descriptors.thickness import describe_thickness, touching_balls
 from reebslice.functions.barycentre import barycentric_distance
 from reebslice.functions.geodesic import geodesic_distance
 from reebslice.functions.heights import directional_height, spread_axes
@@ -79,6 +89,29 @@ def test_pairs_on_a_sphere_are_spread_as_chords_are():
     assert found[:, STEPS[1] // 2 + 1 :].sum() < 0.01  # n1.u - n2.u = -d
 
 
+def test_powers_of_normals_are_those_of_the_addition_theorem():
+    points, faces = arrays(trimesh.creation.box([1, 2, 3]))
+    cross = trimesh.Trimesh(points, faces)
+    share, cosines = cross.area_faces / cross.area, np.clip(cross.face_normals @ cross.face_normals.T, -1, 1)
+    known = [np.sqrt((2 * n + 1) / (4 * np.pi) * max(share @ eval_legendre(n, cosines) @ share, 0)) for n in DEGREES]
+    assert normal_powers(points @ TURN.T, faces) == pytest.approx(known, abs=1e-7)
+
+
+def test_touching_balls_are_the_largest_ones_without_a_point_inside():
+    places, normals = sample_surface(*torus(1.0, 0.3))
+    radius = touching_balls(places, normals, 5.0)
+    for one in range(0, len(places), 200):
+        step = places[one] - np.delete(places, one, axis=0)
+        above = step @ normals[one]
+        through = (step[above > 0] ** 2).sum(axis=1) / (2 * above[above > 0])
+        assert radius[one] >= through.min() * (1 - 1e-9)
+        middle = places[one] - radius[one] * normals[one]
+        assert np.linalg.norm(np.delete(places, one, axis=0) - middle, axis=1).min() >= radius[one] * (1 - 1.1e-3)
+    area = trimesh.Trimesh(*torus(1.0, 0.3)).area
+    found = describe_thickness(places, normals, area).reshape(10, 8).sum(axis=1)
+    assert found.argmax() == int(np.log(0.29 / area**0.5 / 0.01) / np.log(40) * 10) and found.sum() == pytest.approx(1)
+
+
 def test_persistences_of_a_torus_on_its_rim():
     points, faces = torus(1.0, 0.3)
     nodes, _ = graph_function("height", points[:, 0], points, faces)
@@ -91,7 +124,9 @@ def test_persistences_of_a_torus_on_its_rim():
 def test_pooled_persistences_do_not_know_up_from_down():
     points, faces = torus()
     points = points + 0.1 * np.sin(5 * points[:, [1, 2, 0]])
-    up, down = (take_pairs(graph_function("h", sign * points @ [0.6, 0.48, 0.64], points, faces)[0]) for sign in (1, -1))
+    up, down = (
+        take_pairs(graph_function("h", sign * points @ [0.6, 0.48, 0.64], points, faces)[0]) for sign in (1, -1)
+    )
     assert np.allclose(np.sort(turn_pairs(*up)[0]), np.sort(down[0]))
     first, second = (pool_persistences(rank_persistences(*pairs)[None]) for pairs in (up, down))
     assert np.allclose(first, second)
@@ -126,7 +161,9 @@ def test_arcs_of_a_tube_have_its_length_radius_and_volume():
 def test_a_model_of_another_size_and_place_has_the_same_descriptors_but_for_its_sizes():
     points, faces = torus()
     first, second = rows(describe(points, faces)), rows(describe(4 * points, faces))
-    assert second["area", ""] == 16 * first["area", ""] and second["volume", ""] == pytest.approx(64 * first["volume", ""])
+    assert second["area", ""] == 16 * first["area", ""] and second["volume", ""] == pytest.approx(
+        64 * first["volume", ""]
+    )
     for key in first:
         if key[0] not in ("area", "volume"):
             assert np.allclose(first[key], second[key], rtol=1e-6, atol=1e-6), key
@@ -148,8 +185,15 @@ def test_the_table_takes_the_columns_and_same_input_gives_same_numbers():
     points, faces = torus()
     table = build_table("descriptors", describe(points, faces, 2))
     assert table == build_table("descriptors", describe(points, faces, 2))
-    assert {(d, f) for d in COMPARED[1:] for f in ("geodesic", "barycentre", "height")} < set(rows(table.to_pydict()))
-    assert [row[0] for row in rows(describe_surface(points, faces, {}))] == ["betti_numbers", "area", "volume", "pairs"]
+    assert set(COMPARED) <= {row[0] for row in rows(table.to_pydict())}
+    assert {
+        (d, f)
+        for d in ("persistences", "persistence_images", "events", "arc_radii")
+        for f in ("geodesic", "barycentre", "height")
+    } < set(rows(table.to_pydict()))
+    assert [row[0] for row in rows(describe_surface(points, faces, {}))] == [
+        "betti_numbers", "area", "volume", "normals", "pairs", "thickness",
+    ]  # fmt: skip
 
 
 def columns_of(values, **others):

@@ -21,8 +21,9 @@ def compare_descriptors(tables):
     (M, M) float64
         Symmetric, 0 on the diagonal, without a unit. Of every list of numbers v, w of the descriptors COMPARED, one for
         each function, the distance is the Euclidean one of their square roots, sqrt(sum (sqrt(v) - sqrt(w))^2), which
-        of histograms is Hellinger's but for a factor; divided by its median over all pairs of models in which it is not 0. What
-        is given is the mean over the lists that both models have. A list in which no models differ does not count.
+        of histograms is Hellinger's but for a factor; divided by its median over all pairs of models in which it is
+        not 0. What is given is the mean over the lists that both models have. A list in which no models differ does
+        not count.
 
     Notes
     -----

@@ -120,9 +120,7 @@ def persistence_images(low, high, kind):
             "persistence images take the packages gudhi and scikit-learn: pip install gudhi scikit-learn"
         ) from None
     images = np.zeros((len(KINDS), RESOLUTION**2))
-    spread = PersistenceImage(
-        bandwidth=BANDWIDTH, weight=_weight, resolution=[RESOLUTION] * 2, im_range=[0, 1, 0, 1]
-    )
+    spread = PersistenceImage(bandwidth=BANDWIDTH, weight=_weight, resolution=[RESOLUTION] * 2, im_range=[0, 1, 0, 1])
     present = np.unique(kind)
     if len(present):
         images[present] = spread.fit_transform([np.column_stack([low, high])[kind == one] for one in present])

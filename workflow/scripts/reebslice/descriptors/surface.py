@@ -58,7 +58,10 @@ def describe_surface(points, faces, graphs):
         if name not in heights:
             rows += [(word, name, numbers) for word, numbers in _describe_function(name, graph, surface).items()]
     if heights:
-        rows += [(word, "height", numbers) for word, numbers in _describe_heights(heights, surface, places.mean(axis=0)).items()]
+        rows += [
+            (word, "height", numbers)
+            for word, numbers in _describe_heights(heights, surface, places.mean(axis=0)).items()
+        ]
     return {
         "descriptor": [row[0] for row in rows],
         "function": [row[1] for row in rows],

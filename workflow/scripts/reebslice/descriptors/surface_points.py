@@ -79,9 +79,9 @@ def normal_powers(points, faces):
     Returns
     -------
     (7,) float64
-        Of each degree l = 2 to 8 the root of the sum over m of |c_lm|^2, c_lm being the sum over faces of area times the
-        spherical harmonic Y_lm of the outward normal, over the whole area. Degree 0 is a constant, and degree
-        1 vanishes for a closed surface.
+        Of each degree l = 2 to 8 the root of the sum over m of |c_lm|^2, c_lm being the sum over faces of area times
+        the spherical harmonic Y_lm of the outward normal, over the whole area. Degree 0 is a constant, and degree 1
+        vanishes for a closed surface.
 
     References
     ----------

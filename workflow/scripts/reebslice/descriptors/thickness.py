@@ -31,9 +31,7 @@ def describe_thickness(places, normals, area):
     distance = np.maximum(np.linalg.norm(from_centre, axis=1), np.finfo(float).tiny)
     slope = np.einsum("ij,ij->i", normals, from_centre) / distance
     power = np.log(np.maximum(radius, THINNEST) / THINNEST) / np.log(THICKEST / THINNEST)
-    cells = [
-        np.clip(share * count, 0, count - 1).astype(int) for share, count in zip((power, (slope + 1) / 2), STEPS)
-    ]
+    cells = [np.clip(share * count, 0, count - 1).astype(int) for share, count in zip((power, (slope + 1) / 2), STEPS)]
     return np.bincount(np.ravel_multi_index(cells, STEPS), minlength=np.prod(STEPS)) / len(places)
 
 
@@ -51,6 +49,7 @@ def touching_balls(places, normals, largest):
     -------
     (p,) float64
         Radii of balls around places - r normals with no other of the points inside, but for a thousandth of the radius.
+        The surface is taken as it is: next to a convex mesh edge balls are small, however blunt it is.
 
     References
     ----------
