@@ -32,7 +32,7 @@ SCHEMA = yaml.safe_load((ROOT / "workflow/schemas/config.schema.yaml").read_text
 # what the configuration can switch on
 EVERYTHING = ("view={pages: true}", "faces={find: true}", "pockets={cut: true}", "loops={draw: true}")
 EVERYTHING += ("colours={find: true}", "parts={find: true}", "draw={width: 200, figures: true}", "export={files: true}")
-EVERYTHING += ("functions=[geodesic, barycentre]", "centrelines={find: true}")
+EVERYTHING += ("functions=[geodesic, barycentre]", "centrelines={find: true}", "levels={distance: 0.2, refine: exact}")
 OPTIONS += ("view={pages: false}", "faces={find: false}")  # of the stages aside, two
 GIVEN = {key: yaml.safe_load(value) for key, value in (option.split("=", 1) for option in OPTIONS)}
 CHOSEN = chosen_stages(check_config(GIVEN, SCHEMA))
