@@ -8,6 +8,7 @@ alters the results of each mesh so often, or of some solids, and says how many a
 import contextlib
 import sys
 from collections import Counter
+from functools import partial
 from importlib import import_module
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -155,8 +156,13 @@ def change_cell(nodes, arcs, random):
 
 
 WAYS = (
-    lambda *a: swap_ends(*a, "solid"), lambda *a: swap_ends(*a, "surface"), move_event, turn_hole, leave_out, change_cell,
-)  # fmt: skip
+    partial(swap_ends, word="solid"),
+    partial(swap_ends, word="surface"),
+    move_event,
+    turn_hole,
+    leave_out,
+    change_cell,
+)
 
 
 def change_graph(model, random):

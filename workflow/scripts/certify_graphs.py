@@ -1,4 +1,4 @@
-"""Certify the exact graphs that are made without levels, as they are read back from their files: `exact_graphs.json`."""
+"""Certify the exact graphs made without levels, as they are read back from their files: `exact_graphs.json`."""
 
 from pathlib import Path
 

@@ -139,8 +139,9 @@ def solid_reeb_graph(mesh, graph, body_of_vertex):
     nodes, arcs
         As of :func:`rayed_solid_graph`.
     """
-    if not len(find_flat_pairs(mesh.points[graph.nodes, 2], graph)):  # of which slices keep some
-        most = max(FEW_CROSSINGS, len(mesh.faces) // 4)  # rays visit every face
+    most = max(FEW_CROSSINGS, len(mesh.faces) // 4)  # rays visit every face
+    # each arc is crossed, by a contour of three points at least; and of flat pairs slices keep some
+    if 3 * len(graph.arcs) <= most and not len(find_flat_pairs(mesh.points[graph.nodes, 2], graph)):
         with suppress(TooManyCrossingsError):
             return sliced_solid_graph(mesh, graph, body_of_vertex, most)
     return rayed_solid_graph(mesh, graph, body_of_vertex)

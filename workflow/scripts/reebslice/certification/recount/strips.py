@@ -34,7 +34,7 @@ class Strips(NamedTuple):
     width: float
     first: np.ndarray
     start: np.ndarray
-    count: np.ndarray
+    count: np.ndarray  # type: ignore[assignment]  # a method of tuples is called so
     member: np.ndarray
     place: np.ndarray
     at: np.ndarray

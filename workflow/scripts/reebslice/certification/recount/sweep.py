@@ -156,16 +156,24 @@ def _sweep(mesh, rings, order, arcs, state, asked):
         if state is not None:
             left = _pass_faces(state, order.by_high, v, left)
         begun, first = [edge for edge in edges if upper[edge] != v and order.critical[v]], count
-        for edge in begun:
-            if not first <= label_of(rings, edge) < count:
-                rings.label[edge], arcs.low[count] = count, v
-                count += 1
+        count = _begin_arcs(rings, arcs, v, begun, first)
         if state is not None:
             for edge in begun:
                 if first < count and label_of(rings, edge) == first and len(asked) == 0:
                     odd |= _look(state, level_below(points, v + 1, reach), arcs, doubts, np.int64(first), edge)
                     first += 1
     return count, np.array(doubts), odd
+
+
+@njit
+def _begin_arcs(rings, arcs, v, edges, count):
+    """Begin an arc with each contour that some edges at a vertex cross; count : arcs before; returns those after."""
+    first = count
+    for edge in edges:
+        if not first <= label_of(rings, edge) < count:
+            rings.label[edge], arcs.low[count] = count, v
+            count += 1
+    return count
 
 
 @njit
