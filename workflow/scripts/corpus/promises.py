@@ -8,6 +8,9 @@ the table was written for takes no more than a look at their folder.
 import hashlib
 import os
 from array import array
+from concurrent.futures import ThreadPoolExecutor
+from functools import partial
+from itertools import chain
 
 import pyarrow as pa
 import pyarrow.parquet as pq
@@ -71,15 +74,21 @@ def find_broken_promises(batches, outputs, verify=False):
         Paths of status tables, none of which stands behind another, and of the table of models.
     """
     collected = MODELS_TABLE.exists()
-    broken = []
-    for batch, members in batches.items():
-        paths = {stage: STATUS_FOLDER / stage / f"{batch}.parquet" for stage in outputs}
-        tables = {stage: _read_promises(path, members) for stage, path in paths.items()}
-        stages = set(outputs if verify else ()).union(*(_broken_stages(model, tables, outputs) for model in members))
-        for first in (stage for stage in outputs if stages.intersection(line_to(stage)) == {stage}):
-            if collected or any(paths[stage].exists() for stage in line_behind(first) if stage in paths):
-                broken.append(str(paths[first]))
-    return broken + find_altered(MODELS_TABLE, MODELS_TEXT)
+    with ThreadPoolExecutor() as threads:  # half of it is waiting for the system to tell of files
+        broken = list(threads.map(partial(_find_first_broken, outputs, verify, collected), *zip(*batches.items())))
+    return [*chain(*broken), *find_altered(MODELS_TABLE, MODELS_TEXT)]
+
+
+def _find_first_broken(outputs, verify, collected, batch, members):
+    """Return the paths of a batch's broken tables, none behind another; any counts if models were `collected`."""
+    paths = {stage: STATUS_FOLDER / stage / f"{batch}.parquet" for stage in outputs}
+    tables = {stage: _read_promises(path, members) for stage, path in paths.items()}
+    stages = set(outputs if verify else ()).union(*(_broken_stages(model, tables, outputs) for model in members))
+    return [
+        str(paths[first])
+        for first in (stage for stage in outputs if stages.intersection(line_to(stage)) == {stage})
+        if collected or any(paths[stage].exists() for stage in line_behind(first) if stage in paths)
+    ]
 
 
 def find_altered(path, *more):
