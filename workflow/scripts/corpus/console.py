@@ -104,7 +104,8 @@ class Progress(LogHandlerBase):
         for rule, batch in self._running.values():
             at[rule] += count.get(batch, 0)
         now = ", ".join(f"{rule} ({n})" if n else rule for rule, n in sorted(at.items()))
-        words = [f"{done} of {total} models done" if done else f"{total} models", now and f"at work: {now}", self._time_left()]
+        models = f"{done} of {total} models done" if done else f"{total} models"
+        words = [models, now and f"at work: {now}", self._time_left()]
         return "; ".join(word for word in words if word)
 
     def close(self):

@@ -1,6 +1,10 @@
 """All descriptors of one surface."""
 
+from collections.abc import Mapping
+from typing import Any
+
 import numpy as np
+from numpy.typing import ArrayLike
 
 from .arcs import describe_arcs
 from .persistence import (
@@ -19,7 +23,7 @@ HEIGHT = "height:"
 SPANS = {"geodesic": (0, 5), "barycentre": (0, 1.6), "height": (-1.5, 1.5)}
 
 
-def describe_surface(points, faces, graphs):
+def describe_surface(points: ArrayLike, faces: ArrayLike, graphs: Mapping[str, Any]) -> dict[str, list]:
     """Describe a closed surface by lists of numbers.
 
     Parameters
@@ -40,6 +44,17 @@ def describe_surface(points, faces, graphs):
     ------
     ReebsliceError
         There is no package gudhi, or no scikit-learn.
+
+    Examples
+    --------
+    >>> import reebslice
+    >>> import trimesh
+    >>> mesh = trimesh.creation.torus(3.0, 1.0)
+    >>> values = reebslice.barycentric_distance(mesh)
+    >>> graph = reebslice.graph_function("barycentre", values, mesh.vertices, mesh.faces)
+    >>> found = describe_surface(mesh.vertices, mesh.faces, {"barycentre": (values, *graph)})
+    >>> found["descriptor"][0], found["values"][0]
+    ('betti_numbers', [1.0, 2.0, 1.0])
     """
     points, faces = np.asarray(points, float), np.asarray(faces)
     area = face_areas(points, faces).sum()
