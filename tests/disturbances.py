@@ -98,9 +98,9 @@ def kill_fork_server(round):
 def _kill_one(round, choose):
     process = start(round.folder)
     round.wait(process)
-    with suppress(psutil.NoSuchProcess, IndexError):
-        (server,) = [each for each in psutil.Process(process.pid).children() if "corpus.jobs" in str(each.cmdline())]
-        round.random.choice(choose(server)).kill()
+    with suppress(psutil.NoSuchProcess, IndexError):  # of a run that has ended, or has not begun a job
+        servers = [each for each in psutil.Process(process.pid).children() if "corpus.jobs" in str(each.cmdline())]
+        round.random.choice(choose(servers[0])).kill()
         round.note += " hit"
     finish(process)
 
@@ -214,6 +214,7 @@ def replace_mesh(round):
     finish(process)
     if round.random.random() < 0.5:
         run(round.folder)
+    path.parent.mkdir(exist_ok=True)  # Snakemake removes a folder that became empty as its input was removed
     path.write_bytes(whole)
     os.utime(path, ns=(times.st_atime_ns, times.st_mtime_ns))
 
