@@ -12,7 +12,8 @@ from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
 import pipeline
-from corpus.configuration import LARGEST_LENGTH, SMALLEST_LENGTH, ConfigError, check_config
+from corpus.configuration import ConfigError, check_config
+from corpus.contradictions import LARGEST_LENGTH, SMALLEST_LENGTH
 from corpus.layout import ASKED_FOR, STAGES
 from corpus.stages import Rejected
 from corpus.workers import Limits, map_apart

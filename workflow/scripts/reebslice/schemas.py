@@ -9,6 +9,7 @@ inspection.json names where the format has one.
 
 from functools import cache
 
+from .corpus_tables import CORPUS_TABLES
 from .declarations import FLAG, INT, INTS, REAL, TEXT, WKB, table, with_model
 from .side_tables import SIDE_TABLES
 
@@ -280,7 +281,7 @@ SCHEMAS = {
 
 # What the graphs are made of, and what is certified.
 MODEL_TABLES = tuple(SCHEMAS)
-SCHEMAS |= SIDE_TABLES
+SCHEMAS |= SIDE_TABLES | CORPUS_TABLES
 
 
 @cache
