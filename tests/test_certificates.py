@@ -534,11 +534,21 @@ def test_documents_that_are_no_one_undirected_graph_are_refused(tmp_path):
         (b"</graph>", b'</graph><graph edgedefault="undirected"/>'),
         (b' target="b"', b""),
         (b'<data key="d0"', b'<data key="d7"'),
+        (b"</graph>", b'<x:node xmlns:x="http://graphml.graphdrawing.org/xmlns" id="c"/><hyperedge/></graph>'),
+        (b"</graph>", b'<y:node xmlns:y="elsewhere" id="c"/></graph>'),
         (b"</graph></graphml>", b""),
     ):
         assert old in text
         with pytest.raises((ValueError, KeyError, ExpatError)):
             parse_graph(text.replace(old, new))
+
+
+def test_an_element_with_a_prefix_is_read_as_others_read_it(tmp_path):
+    nx.write_graphml(nx.MultiGraph([("a", "b", {"id": "e0"})]), tmp_path / "graph.graphml", edge_id_from_attribute="id")
+    added = b'<x:node xmlns:x="http://graphml.graphdrawing.org/xmlns" id="c"/></graph>'
+    (tmp_path / "graph.graphml").write_bytes((tmp_path / "graph.graphml").read_bytes().replace(b"</graph>", added))
+    assert set(nx.read_graphml(tmp_path / "graph.graphml")) == {"a", "b", "c"}
+    assert set(parse_graph((tmp_path / "graph.graphml").read_bytes()).nodes) == {"a", "b", "c"}
 
 
 def test_links_of_a_heuristic_are_not_certified():

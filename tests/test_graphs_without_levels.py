@@ -85,6 +85,15 @@ def test_bodies_that_overlap_are_each_a_solid_of_its_own():
         assert certificate["verdict"] == "exact" and "disjoint union" in certificate["solid_interpretation"]
 
 
+@pytest.mark.parametrize("mode", ["none", "auto"])
+def test_of_bodies_that_share_a_face_it_is_told_that_contours_touch(mode):
+    box = solids.voxels(np.ones((1, 1, 1), bool))
+    with built(solids.unite(box, solids.move(box, [1.0, 0.0, 0.0])), mode) as folder:
+        certificate = certificate_of(folder)
+        assert certificate["surface_verdict"] == "exact" and failed(certificate) == []
+        assert certificate["verdict"] == "exact" or "Contours touch" in certificate["reason"]
+
+
 def test_of_a_surface_that_crosses_itself_the_graph_of_the_surface_alone_is_certified():
     points = torus().points.copy()
     points[:, 0] *= np.sign(points[:, 1])  # two halves turned over each other

@@ -19,8 +19,9 @@ import solids
 from corpus.configuration import ConfigError, check_comparison, check_config
 from corpus.layout import chosen_stages
 from corpus.storage import read_table
-from reebslice.descriptors.graph_distances import LEAST, compare_diagrams, compare_graphs
+from reebslice.descriptors.graph_distances import LEAST, compare_diagrams, compare_graphs, share_functions
 from reebslice.descriptors.neighbours import distance_table, map_models, neighbour_table
+from reebslice.descriptors.surface import describe_surface
 from reebslice.drawing.report import Run, make_report
 from reebslice.errors import ReebsliceError
 from reebslice.graphs.function_graphs import graph_function, stack_tables
@@ -118,6 +119,30 @@ def hand_made(values):
     return build_table("function_nodes", {**columns, "persistence": [0.0] * count, **rest})
 
 
+def test_what_is_no_table_of_nodes_is_refused():
+    nodes, arcs = tables(SHAPES["torus"], SHAPES["torus"].points[:, 0])
+    for wrong, sentence in (
+        ([(nodes, arcs)], "A tuple is given for a model: give a table or a dict with the columns function, value"),
+        ([arcs], "give a table or a dict with the columns"),
+        ([{**nodes.to_pydict(), "value": np.full(len(nodes), np.nan)}], "Values of a function are not finite"),
+    ):
+        with pytest.raises(ReebsliceError, match=sentence):
+            compare_diagrams(wrong)
+    with pytest.raises(ReebsliceError, match="nodes of 1 models and arcs of 2"):
+        compare_graphs([nodes], [arcs, arcs])
+    with pytest.raises(ReebsliceError, match="has no area"):
+        describe_surface(np.zeros((4, 3)), [[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]], {})
+
+
+def test_a_model_without_a_function_that_most_have_is_left_out_alone():
+    torus = SHAPES["torus"]
+    both = pa.concat_tables([tables(torus, torus.points[:, k], name)[0] for k, name in enumerate(("q", "geodesic"))])
+    one, odd = tables(torus, torus.points[:, 1], "geodesic")[0], tables(torus, torus.points[:, 1], "rare")[0]
+    models, lacking = share_functions({"a": both, "b": one, "c": both, "d": pa.concat_tables([both, odd])})
+    assert models == ["a", "c", "d"] and lacking == {"b": ["q"]}
+    assert share_functions({}) == ([], {})
+
+
 def test_heights_alone_compare_nothing():
     solid = SHAPES["torus"]
     nodes = tables(solid, solid.points[:, 2], "height:0")[0]
@@ -208,6 +233,10 @@ def test_models_are_compared_by_each_way(tmp_path, monkeypatch):
         matrix = np.vstack(distances["distances"].to_pylist())
         assert (matrix == matrix.T).all() and (matrix[~np.eye(3, dtype=bool)] > 0).all()
         assert len(neighbours) == 3
+    monkeypatch.setattr(compare_shapes, "read_tables", lambda *_, **__: {})  # every model was rejected
+    for by in compare_shapes.WAYS:
+        assert [len(table) for table in compare_shapes.main([], by, by == "descriptors", 3)] == [0, 0]
+    monkeypatch.setattr(compare_shapes, "read_tables", read_tables)
     ranked = np.vstack(compare_shapes.main([], "descriptors", True, 1)[0]["distances"].to_pylist())
     assert (ranked == ranked.T).all() and (np.diag(ranked) == 0).all() and ranked.max() <= 1
 
@@ -231,4 +260,7 @@ def test_the_report_shows_a_map_of_models_and_who_is_like_whom(tmp_path):
     assert all(0 <= float(share) <= 100 for _, *both in spots for share in both)
     alike = re.search(r'<div id="alike".*?</ol>', dom)[0].replace("<wbr>", "")
     assert re.findall(r"part_\d{4}(?=</)", alike)[:3] == accepted[:3]
+    none = distance_table([], np.zeros((0, 0))), neighbour_table([], np.zeros((0, 0)), 2)
+    assert f"{len(accepted)} of 8 models could be compared. " in page.read_text()
+    assert 'id="likeness"' not in make_report(pa.Table.from_pylist(rows), [set() for _ in rows], None, RUN, none)
     assert 'id="likeness"' not in make_report(pa.Table.from_pylist(rows), [set() for _ in rows], None, RUN)

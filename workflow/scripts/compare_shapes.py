@@ -5,7 +5,7 @@ from pathlib import Path
 from corpus.gathering import read_tables
 from corpus.storage import write_table
 from reebslice.descriptors.comparison import compare_descriptors, rank_by_neighbourhood
-from reebslice.descriptors.graph_distances import compare_diagrams, compare_graphs
+from reebslice.descriptors.graph_distances import compare_diagrams, compare_graphs, share_functions
 from reebslice.descriptors.neighbours import distance_table, neighbour_table
 
 # What models are compared by: the stage that makes the tables which this takes, and these.
@@ -28,7 +28,11 @@ def main(tables, by, manifold, neighbours):
     compare, stage, names = WAYS[by]
     found = [read_tables(tables, stage, name, all_or_none=False) for name in names]
     models = list(found[0])
-    distances = compare(*(list(each.values()) for each in found))
+    if stage == "graph_functions":
+        models, lacking = share_functions(found[0])
+        for model, missing in lacking.items():
+            print(f"{model} is left out of the comparison, as it has no graph of {', '.join(missing)}")
+    distances = compare(*([each[model] for model in models] for each in found))
     if manifold:
         distances = rank_by_neighbourhood(distances)
     return distance_table(models, distances), neighbour_table(models, distances, neighbours)

@@ -32,6 +32,7 @@ WRITERS = {
     "loops.png": "draw_loops",
     "pockets.png": "cut_pockets",
     "certificate.json": "certify",
+    "exact_graphs.json": "certify_graphs",
     "inspection.json": "inspect_mesh",
 }
 PACKAGES = (

@@ -19,8 +19,8 @@ def read_tables(tables, stage, name, all_or_none=True):
 
     tables : paths of the status tables of `stage`. One that promises what is gone
     or altered is removed, so that the next run makes it again, and RuntimeError
-    raised; with `all_or_none` also one that tells of a model that failed, which
-    is left out otherwise.
+    raised. With `all_or_none` also one that tells of a model that failed, which
+    is left out otherwise; and then there has to be some model.
     """
     rows = {table: read_status(table) for table in tables}
     broken = {table: [row for row in rows[table] if _is_broken(row, stage, name, all_or_none)] for table in tables}
@@ -31,7 +31,7 @@ def read_tables(tables, stage, name, all_or_none=True):
         faults = [f"{row['model']}: {row['reason'] or gone}" for rows in broken.values() for row in rows]
         raise RuntimeError("not compared; the next run tries again:\n" + "\n".join(faults))
     done = sorted(row["model"] for table in tables for row in rows[table] if row["status"] == "ok")
-    if not done:
+    if not done and all_or_none:
         raise RuntimeError("there is no accepted model to compare anything on")
     return {model: read_table(MODELS_FOLDER / model / f"{name}.parquet", name) for model in done}
 

@@ -4,6 +4,8 @@ from collections.abc import Callable
 from typing import NamedTuple
 from xml.parsers import expat
 
+NAMESPACE = "http://graphml.graphdrawing.org/xmlns"
+ELEMENTS = ("graphml", "key", "graph", "node", "edge", "data")
 TYPES: dict[str, Callable] = {"string": str, "long": int, "double": float}
 
 
@@ -30,14 +32,16 @@ def parse_graph(document):
     Raises
     ------
     ValueError
-        Unless the document holds one undirected graph and each node of it once.
+        Unless the document holds one undirected graph and each node of it once, and nothing but elements of `ELEMENTS`,
+        all of GraphML's own namespace: others a reader might take for nodes and edges as well.
     KeyError
         For an attribute that it does not declare, or an edge without ends or id.
     xml.parsers.expat.ExpatError
         If it is no XML.
     """
     reader = _Reader()
-    parser = expat.ParserCreate("utf-8")  # whatever it declares: not all encodings can be looked up
+    # Whatever it declares, since not all encodings can be looked up; names are those of namespaces, not of prefixes.
+    parser = expat.ParserCreate("utf-8", " ")
     parser.buffer_text = True
     parser.StartElementHandler, parser.EndElementHandler = reader.start, reader.end
     parser.CharacterDataHandler = reader.read
@@ -59,6 +63,9 @@ class _Reader:
         self.about = self.data
 
     def start(self, element, attributes):
+        space, _, element = element.rpartition(" ")
+        if space != NAMESPACE or element not in ELEMENTS:
+            raise ValueError(f"the document holds an element {element!r}, which is none of a graph")
         self.text = ""
         if element == "data":
             self.name, self.cast = self.keys[attributes["key"]]
@@ -78,6 +85,7 @@ class _Reader:
         self.text += text
 
     def end(self, element):
+        element = element.rpartition(" ")[2]
         if element == "data":
             self.data[self.name] = self.cast(self.text)
         elif element in ("node", "edge"):

@@ -16,6 +16,7 @@ from ..errors import ReebsliceError
 from ..graphs.simplification import simplify_graph
 from ..schemas import PAIRINGS
 
+NODE_COLUMNS, ARC_COLUMNS = ("function", "value", "partner", "pairing"), ("function", "source", "target")
 LEAST = 0.01  # of the range of a function
 ITERATIONS = 3
 
@@ -65,7 +66,7 @@ def compare_diagrams(nodes: Sequence[Any]) -> np.ndarray:
     >>> float(distances[0, 1]), bool(distances[0, 2] > 0)
     (0.0, True)
     """
-    models = [{name: _list_pairs(rows) for name, rows in _by_function(table).items()} for table in nodes]
+    models = [{name: _list_pairs(rows) for name, rows in _by_function(table, NODE_COLUMNS).items()} for table in nodes]
     distances = np.zeros((len(models), len(models)))
     for name in _common_functions(models):
         for one, other in combinations(range(len(models)), 2):
@@ -109,9 +110,14 @@ def compare_graphs(nodes: Sequence[Any], arcs: Sequence[Any]) -> np.ndarray:
     >>> float(distances[0, 1]), bool(distances[0, 2] > 0)
     (0.0, True)
     """
+    if len(nodes) != len(arcs):
+        raise ReebsliceError(
+            f"There are nodes of {len(nodes)} models and arcs of {len(arcs)}: give both of each model."
+        )
+    links = [_by_function(table, ARC_COLUMNS) for table in arcs]
     models = [
-        {name: (rows, links[name]) for name, rows in _by_function(table).items()}
-        for table, links in zip(nodes, map(_by_function, arcs), strict=True)
+        {name: (rows, links[k][name]) for name, rows in _by_function(table, NODE_COLUMNS).items() if name in links[k]}
+        for k, table in enumerate(nodes)
     ]
     names = _common_functions(models)
     counts: list[Counter] = [sum((_count_labels(name, *model[name]) for name in names), Counter()) for model in models]
@@ -124,10 +130,35 @@ def compare_graphs(nodes: Sequence[Any], arcs: Sequence[Any]) -> np.ndarray:
     return distances.reshape(len(models), len(models))
 
 
-def _by_function(table):
-    """The rows of each function, as columns, but for heights."""
-    columns = table if isinstance(table, dict) else dict(zip(table.column_names, table.itercolumns()))
-    columns = {name: np.asarray(column) for name, column in columns.items()}
+def share_functions(nodes):
+    """Pick the models that have all those functions which at least half of them have, heights aside.
+
+    Parameters
+    ----------
+    nodes : dict of str to pyarrow.Table
+        `function_nodes` of each model.
+
+    Returns
+    -------
+    models : list of str
+    lacking : dict of str to list of str
+        Of each of the others the functions that it lacks.
+    """
+    have = {model: set(_by_function(table, NODE_COLUMNS)) for model, table in nodes.items()}
+    counts = Counter(name for names in have.values() for name in names)
+    shared = {name for name, count in counts.items() if 2 * count >= len(nodes)}
+    lacking = {model: sorted(shared - names) for model, names in have.items() if shared - names}
+    return [model for model in nodes if model not in lacking], lacking
+
+
+def _by_function(table, wanted):
+    """The rows of each function, as columns, but for heights; wanted : names of columns."""
+    try:
+        columns = table if isinstance(table, dict) else dict(zip(table.column_names, table.itercolumns()))
+        columns = {name: np.asarray(columns[name]) for name in wanted}
+    except (AttributeError, KeyError):
+        told = f"A {type(table).__name__} is given for a model"
+        raise ReebsliceError(f"{told}: give a table or a dict with the columns {', '.join(wanted)}.") from None
     names = columns["function"]
     found = sorted(name for name in set(names) if not name.startswith("height:"))
     return {name: {key: column[names == name] for key, column in columns.items()} for name in found}
@@ -146,6 +177,8 @@ def _common_functions(models):
 
 def _list_pairs(rows):
     """Pairs of each kind, lesser value first, as shares of the range of the function: four (k, 2) arrays."""
+    if not np.isfinite(np.ptp(rows["value"])):
+        raise ReebsliceError("Values of a function are not finite, or too large to be subtracted: give others.")
     value, partner, low, span = rows["value"], rows["partner"], rows["value"].min(), np.ptp(rows["value"])
     first = np.arange(len(value)) < partner
     pairs = (np.column_stack([value, value[partner]])[first] - low) / (span or 1.0)

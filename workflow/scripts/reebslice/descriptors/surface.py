@@ -6,6 +6,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
+from ..errors import NotASolidError
+from ..mesh.arguments import take_mesh
 from .arcs import describe_arcs
 from .persistence import (
     count_events,
@@ -38,10 +40,13 @@ def describe_surface(points: ArrayLike, faces: ArrayLike, graphs: Mapping[str, A
     -------
     dict of str to list
         Columns of the table `descriptors`: see docs/descriptors.md for each. The same whatever the place of the
-        model; where of no function, of `geodesic` and of `barycentre`, the same but for rounding however it is turned.
+        model; where of no function, of `geodesic` and of `barycentre`, the same but for rounding however it is turned,
+        unless parts of it are equally far from the centre: which are sampled first then hangs on the order of rows.
 
     Raises
     ------
+    NotASolidError
+        The arrays are none of a mesh, or the surface has no area. Whether it is closed is not looked at.
     ReebsliceError
         There is no package gudhi, or no scikit-learn.
 
@@ -56,8 +61,10 @@ def describe_surface(points: ArrayLike, faces: ArrayLike, graphs: Mapping[str, A
     >>> found["descriptor"][0], found["values"][0]
     ('betti_numbers', [1.0, 2.0, 1.0])
     """
-    points, faces = np.asarray(points, float), np.asarray(faces)
+    points, faces = take_mesh(points, faces)
     area = face_areas(points, faces).sum()
+    if not 0 < area < np.inf:
+        raise NotASolidError("The surface has no area, or one too large to be held: give the surface of a solid.")
     surface = points, faces, np.sqrt(area)
     places, normals = sample_surface(points, faces)
     rows = [

@@ -20,6 +20,7 @@ LINKED = {
     "loops.png": "loops",
     "pockets.png": "pockets",
     "certificate.json": "certificate",
+    "exact_graphs.json": "certificate of exact graphs",
     "inspection.json": "inspection",
 }
 
@@ -28,7 +29,7 @@ ALIKE = 5  # models that are told to be most like one
 MAP = """<section id="likeness" aria-labelledby="likeness-title">
 <h2 id="likeness-title">Which are alike</h2>
 <div class="sides"><div id="map"><div id="spots"></div></div><div id="alike" aria-live="polite"></div></div>
-<p><small>Models that are alike are near each other, as far as a plane can show it. All distances:
+<p><small>{}Models that are alike are near each other, as far as a plane can show it. All distances:
 <a href="distances.parquet">distances.parquet</a>, <a href="neighbours.parquet">neighbours.parquet</a>.</small></p>
 </section>
 """
@@ -87,6 +88,7 @@ def make_report(table, files, thumbnails, run, likeness=None):
         find_looks(rows),
     )
     names = [row["model"] for row in rows]
+    likeness = likeness if likeness and likeness[0].num_rows else None
     data = _gather_data(table, rows, kinds, figures, looks, files, thumbnails)
     if likeness:
         data["map"] = _gather_map(names, *likeness)
@@ -97,7 +99,7 @@ def make_report(table, files, thumbnails, run, likeness=None):
         "meshes": f"<code>{escape(run.meshes)}</code>{picked}",
         "verdicts": write_verdicts(kinds),
         "looks": write_looks(looks, names, [_find_link(*pair) for pair in zip(names, files)]),
-        "map": MAP if likeness else "",
+        "map": MAP.format(_count_compared(len(data["map"]["rows"]), len(rows))) if likeness else "",
         "charts": "".join(draw_chart(figure, values) for figure, values in figures.items() if figure.shown),
         "own": own,
         "config": escape(run.config),
@@ -106,6 +108,11 @@ def make_report(table, files, thumbnails, run, likeness=None):
     }
     scripts = [read_template(name) for name in ("report.js", *(["report_map.js"] if likeness else []))]
     return write_page("report.html", "report.css", fields["title"], fields, scripts, "data: file: 'self'")
+
+
+def _count_compared(shown, count):
+    """Say how many models are on the map, where some are not."""
+    return "" if shown == count else f"{shown} of {count_models(count)} could be compared. "
 
 
 def _gather_map(names, distances, neighbours):

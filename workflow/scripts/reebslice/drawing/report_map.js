@@ -6,7 +6,7 @@ const PICTURED = 600; // models, up to which they have thumbnails; of more there
 /** Place the models, so that the map fills its frame, and have each tell who is like it. */
 function fillMap({ rows, x, y, near }) {
   const frame = find("#spots");
-  frame.classList.add(rows.length > PICTURED ? "dots" : rows.length > LARGE ? "small" : "large");
+  frame.classList.add(rows.length > LARGE ? "small" : "large");
   const share = (values, value) => (value - Math.min(...values)) / (Math.max(...values) - Math.min(...values) || 1);
   rows.forEach((row, place) => {
     const link = address(row, DATA.linked.findIndex((_, file) => address(row, file)));
@@ -16,7 +16,9 @@ function fillMap({ rows, x, y, near }) {
     spot.ariaLabel = DATA.models[row];
     spot.style.left = `${100 * share(x, x[place])}%`;
     spot.style.top = `${100 * (1 - share(y, y[place]))}%`;
-    if (rows.length <= PICTURED) addThumbnail(row, spot);
+    spot.title = DATA.models[row];
+    if (rows.length <= PICTURED && DATA.thumbnails[row]) addThumbnail(row, spot);
+    else spot.classList.add("dot");
     for (const event of ["pointerenter", "focus"]) spot.addEventListener(event, () => tellAlike(place, rows, near, spot));
   });
   tellAlike(0, rows, near, find(".spot"));

@@ -104,6 +104,8 @@ def list_neighbours(surface, sides, body, cut, face):
     list of (faces, labels)
         Of each question two (k,) arrays: faces of the same body that meet the level, and the arcs of their contours.
     """
+    if not len(cut):
+        return []  # a sweep that is asked nothing looks at all contours
     order = np.argsort(cut, kind="stable")
     found = _run_sweep(surface, sides, body, np.column_stack([cut, face]).astype(np.int64)[order])[1]
     question, faces, labels = found.reshape(-1, 3).T
