@@ -88,10 +88,10 @@ def run_workflow(folder, until):
     """Run the workflow over the meshes in a folder."""
     command = [sys.executable, "-m", "snakemake", "--snakefile", ROOT / "Snakefile", "--cores", "1"]
     command += ["--directory", folder, "--until", until, "--config", "meshes=meshes"]
-    with open(
-        folder / "run.log", "a"
-    ) as log:  # failed models are rows of the tables, so a run that ends with some counts
-        subprocess.run(command, stdout=log, stderr=subprocess.STDOUT, check=False)  # noqa: S603, the project's own programs
+    with open(folder / "run.log", "a") as log:
+        done = subprocess.run(command, stdout=log, stderr=subprocess.STDOUT, check=False)  # noqa: S603, the project's own
+    if done.returncode < 0:  # not one that ends with failed models, which are rows of the tables
+        sys.exit(f"{folder}: the run was killed")
 
 
 # --------------------------------------------------------------------------
