@@ -14,8 +14,8 @@ folder=$(mktemp -d)
 trap 'rm -rf "$folder"' EXIT
 python3 -m venv "$folder/venv"
 "$folder/venv/bin/pip" install --quiet --disable-pip-version-check snakemake==9.27.1
-mkdir -p "$folder/work/scans/monday/left"
-cd "$folder/work"
+mkdir -p "$folder/lab/scans/monday/left"
+cd "$folder/lab"
 echo solid > scans/monday/left/part.stl
 cat > Snakefile <<'RULES'
 rule measure:

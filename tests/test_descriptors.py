@@ -29,7 +29,6 @@ from reebslice.descriptors.surface_points import (
     normal_powers,
     relate_pairs,
     sample_surface,
-    volume_of,
 )
 from reebslice.descriptors.thickness import describe_thickness, touching_balls
 from reebslice.functions.barycentre import barycentric_distance
@@ -76,7 +75,10 @@ def test_betti_numbers_of_shells_with_handles():
     assert betti_numbers(points, faces).tolist() == [1, 2, 1]
     both = np.concatenate([points, ball[0] + 5, [[9.0, 9, 9]]]), np.concatenate([faces, ball[1] + len(points)])
     assert betti_numbers(*both).tolist() == [2, 2, 2]
-    assert volume_of(*both) == pytest.approx(trimesh.Trimesh(*both).volume)
+    found = describe_surface(*both, {})
+    sizes = dict(zip(found["descriptor"], found["values"]))
+    assert sizes["volume"] == pytest.approx([trimesh.Trimesh(*both).volume])
+    assert sizes["area"] == pytest.approx([trimesh.Trimesh(*both).area])
 
 
 def test_pairs_on_a_sphere_are_spread_as_chords_are():

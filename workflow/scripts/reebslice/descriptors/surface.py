@@ -4,10 +4,10 @@ from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from ..errors import NotASolidError
 from ..mesh.arguments import take_mesh
+from ..mesh.measures import measure_shells
 from .arcs import describe_arcs
 from .persistence import (
     count_events,
@@ -17,7 +17,7 @@ from .persistence import (
     take_pairs,
     turn_pairs,
 )
-from .surface_points import betti_numbers, face_areas, normal_powers, relate_pairs, sample_surface, volume_of
+from .surface_points import betti_numbers, normal_powers, relate_pairs, sample_surface
 from .thickness import describe_thickness
 
 HEIGHT = "height:"
@@ -25,7 +25,7 @@ HEIGHT = "height:"
 SPANS = {"geodesic": (0, 5), "barycentre": (0, 1.6), "height": (-1.5, 1.5)}
 
 
-def describe_surface(points: ArrayLike, faces: ArrayLike, graphs: Mapping[str, Any]) -> dict[str, list]:
+def describe_surface(points: Any, faces: Any, graphs: Mapping[str, Any]) -> dict[str, list]:
     """Describe a closed surface by lists of numbers.
 
     Parameters
@@ -62,7 +62,7 @@ def describe_surface(points: ArrayLike, faces: ArrayLike, graphs: Mapping[str, A
     ('betti_numbers', [1.0, 2.0, 1.0])
     """
     points, faces = take_mesh(points, faces)
-    area = face_areas(points, faces).sum()
+    (area,), (volume,) = measure_shells(points, faces, np.zeros(len(faces), np.int32), 1)
     if not 0 < area < np.inf:
         raise NotASolidError("The surface has no area, or one too large to be held: give the surface of a solid.")
     surface = points, faces, np.sqrt(area)
@@ -70,7 +70,7 @@ def describe_surface(points: ArrayLike, faces: ArrayLike, graphs: Mapping[str, A
     rows = [
         ("betti_numbers", "", betti_numbers(points, faces)),
         ("area", "", [area]),
-        ("volume", "", [volume_of(points, faces)]),
+        ("volume", "", [volume]),
         ("normals", "", normal_powers(points, faces)),
         ("pairs", "", relate_pairs(places, normals)),
         ("thickness", "", describe_thickness(places, normals, area)),

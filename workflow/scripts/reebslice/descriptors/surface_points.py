@@ -20,12 +20,6 @@ def face_areas(points, faces):
     return np.linalg.norm(np.cross(b - a, c - a), axis=1) / 2
 
 
-def volume_of(points, faces):
-    """Volume that a closed surface encloses, by the divergence theorem."""
-    a, b, c = (points[faces[:, k]] - points.mean(axis=0) for k in range(3))
-    return np.einsum("ij,ij->", a, np.cross(b, c)) / 6
-
-
 def betti_numbers(points, faces):
     """Count shells, independent closed curves and voids of the surface itself.
 
