@@ -5,8 +5,8 @@
     .venv-benchmarks/bin/python benchmarks/measure_centrelines.py [--vessel SURFACE.stl CENTRELINE.vtp]
 
 The vessel and VMTK's centreline of it: aorta-surface.stl and aorta-centerline.vtp, in the folder `input` of VMTK's
-repository of test data, vmtk-test-data. VMTK itself (`pip install vmtk`) has wheels for Python 3.12 alone. A program that is
-not installed says so in its row; one that does not come to an end in `--limit` seconds is stopped.
+repository of test data, vmtk-test-data. VMTK itself (`pip install vmtk`) has wheels for Python 3.12 alone. A program
+that is not installed says so in its row; one that does not come to an end in `--limit` seconds is stopped.
 """
 
 import argparse
