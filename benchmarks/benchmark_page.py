@@ -198,11 +198,12 @@ def memory_lines(runs):
 
 
 def skeleton_lines(runs):
-    return [
-        f"On the upright torus of {count(run.nominal)} faces skeletor's wavefront takes {figure(run.raw)} s and finds "
-        f"{count(run.loops)} loops where the solid has 1."
-        for _, run in runs[(runs.task == "skeleton") & (runs.status == "ok")].iterrows()
-    ]
+    """What finds a skeleton of the upright torus, whose solid has one loop."""
+    lines = head("program", "faces", "seconds, raw", "nodes", "loops")
+    for _, run in runs[runs.task == "skeleton"].iterrows():
+        told = (figure(run.raw), count(run.nodes), count(run.loops)) if run.status == "ok" else (run.status, "", "")
+        lines.append(row(run.program, count(run.nominal), *told))
+    return lines
 
 
 TABLES = {

@@ -8,6 +8,7 @@ the functions, for the sake of those that are not installed.
 """
 
 from collections.abc import Callable
+from functools import partial
 from typing import NamedTuple
 
 import numpy as np
@@ -129,5 +130,15 @@ ENTRANTS = [
         peers.check_multigraph,
     ),
     Entrant("reebslice", "solid graph", "", order_simple, solve, check_solid),
-    Entrant("skeletor", "skeleton", "skeletor", peers.build_trimesh, peers.find_skeleton, peers.check_skeleton),
+    *(
+        Entrant(
+            f"skeletor, {way}",
+            "skeleton",
+            "skeletor",
+            peers.build_trimesh,
+            partial(peers.find_skeleton, way),
+            peers.check_skeleton,
+        )
+        for way in ("by_wavefront", "by_wavefront_exact", "by_mean_curvature")
+    ),
 ]

@@ -181,10 +181,14 @@ def check_multigraph(graph):
     return graph_figures(graph.number_of_nodes(), graph.number_of_edges())
 
 
-def find_skeleton(mesh, _):
+def find_skeleton(way, mesh, _):
     import skeletor
 
-    return skeletor.skeletonize.by_wavefront(mesh, progress=False)
+    if way == "by_mean_curvature":
+        mesh = skeletor.pre.contract(mesh, epsilon=0.1, progress=False)  # as it advises where nothing is left
+        return skeletor.skeletonize.by_mean_curvature(mesh, progress=False)
+    step = {"step_size": np.ptp(mesh.vertices, axis=0).max() / 200} if way == "by_wavefront_exact" else {}
+    return getattr(skeletor.skeletonize, way)(mesh, progress=False, **step)
 
 
 def check_skeleton(skeleton):
