@@ -217,15 +217,20 @@ def paths_of(wildcards):
 
 
 def inputs_of(wildcards):
-    """Those of them, and of the files that they name, that Snakemake can take as inputs.
+    """Those of them, and of the files that they name, that Snakemake is to hold the status table against.
 
-    It reads {x} as a wildcard and <x> as a path variable. Of the others
-    stamp_of tells when they change. In a job, one that is gone by now is its
-    model's fault, not the batch's.
+    That is the newest, as it would need longer for ten thousand than all else
+    takes: if any is newer than the table, the newest is, and of the others
+    stamp_of tells when they change. A workflow that uses this one as a module
+    may have rules that make meshes, so there it is all of them. Snakemake reads
+    {x} as a wildcard and <x> as a path variable, so files of such names are
+    left out. In a job, a mesh that is gone by now is its model's fault, not the batch's.
     """
     meshes = [MODELS[model] for model in MEMBERS[wildcards.batch]]
-    companions = [path for mesh in meshes for path, size, _ in mesh.companions if size is not None]
-    paths = [path for path in paths_of(wildcards) + companions if not set("{}<>") & set(path)]
+    files = [(mesh.mtime_ns, mesh.path) for mesh in meshes]
+    files += [(time, path) for mesh in meshes for path, size, time in mesh.companions if size is not None]
+    files = [file for file in files if not set("{}<>") & set(file[1])]
+    paths = [path for _, path in ([max(files)] if files and IS_MAIN else files)]
     return paths if workflow.is_main_process else [path for path in paths if os.path.exists(path)]
 
 
