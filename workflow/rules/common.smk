@@ -65,7 +65,7 @@ from corpus.promises import find_altered, find_blocked_folders, find_broken_prom
 from corpus.receipts import forget_stage
 from corpus.sample_sheet import read_sheet
 from corpus.shared_files import check_file_sharing
-from corpus.targets import find_unmade, read_wishes, redirect_targets, withdraw_outdated
+from corpus.targets import find_unmade, read_wishes, redirect_targets, spare_pandas, withdraw_outdated
 
 COMPILED = os.environ.setdefault("NUMBA_CACHE_DIR", str(compiled_code_folder(SCRIPTS / "reebslice")))
 
@@ -204,6 +204,7 @@ def ask_for_tables(targets):
 
 if workflow.is_main_process and IS_MAIN:
     redirect_targets(workflow, ask_for_tables)
+    spare_pandas(workflow)
 
 UNDERWAY = foretell_report(workflow) if workflow.is_main_process else []
 CAPTIONS = workflow.current_basedir.join("../report")
