@@ -1,6 +1,7 @@
 """What a run needs to go through a cluster; tests/cluster/run_on_slurm.py sends one through."""
 
 import json
+import os
 import re
 from pathlib import Path
 
@@ -66,15 +67,18 @@ def test_every_job_asks_for_memory_and_time(tmp_path):
 
 
 def test_what_jobs_open_is_declared(tmp_path):
+    """Of meshes and what they name the newest, by which Snakemake tells whether any is newer than what was made."""
     write_box(tmp_path / "meshes/a.off")
     put_gltf(tmp_path / "meshes/b.gltf", "b%20b.bin")
     put_gltf(tmp_path / "meshes/c.gltf", "gone.bin")
-    (tmp_path / "meshes/b b.bin").write_bytes(b"0000")
-    jobs = plan(tmp_path)
-    (gathered,) = jobs["collect_models"]
-    inspected = " ".join(jobs["inspect_mesh"])
-    assert all(f"results/status/{stage}/batch-" in gathered for stage in STAGES)
-    assert "meshes/a.off" in inspected and "meshes/b b.bin" in inspected and "gone.bin" not in inspected
+    for newest, other in (("b b.bin", "a.off"), ("a.off", "b b.bin")):
+        (tmp_path / "meshes/b b.bin").write_bytes(b"0000")
+        for age, name in enumerate((newest, other, "b.gltf", "c.gltf")):
+            os.utime(tmp_path / "meshes" / name, (1e9 - age, 1e9 - age))
+        jobs = plan(tmp_path)
+        (gathered,), (inspected,) = jobs["collect_models"], jobs["inspect_mesh"]
+        assert all(f"results/status/{stage}/batch-" in gathered for stage in STAGES)
+        assert f"meshes/{newest}" in inspected and f"meshes/{other}" not in inspected and "gone.bin" not in inspected
 
 
 def run_job(folder, stage, batch):

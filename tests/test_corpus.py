@@ -14,7 +14,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from corpus import batches, layout, model_table, stages
+from corpus import batches, layout, model_table, promises, shares, stages
 from corpus.batches import batch_alone, form_batches, set_apart
 from corpus.code_digest import digest_code, find_sources, read_outputs
 from corpus.companions import digest_mesh
@@ -492,6 +492,29 @@ def test_a_table_that_is_missing_before_others_is_found(corpus_of_two_stages):
     assert find_broken_promises({"batch-all": ["a", "b"]}, outputs) == []  # never ran: nothing is promised
 
 
+@pytest.mark.parametrize("lost", ["a/text.txt", "b/note.json", "a/.inspect_mesh.json"])
+def test_processes_that_share_the_look_find_what_one_finds(corpus_of_two_stages, lost, monkeypatch):
+    *tables, outputs = corpus_of_two_stages
+    named = {batch: ["a", "b"] for batch in ("batch-all", "batch-x", "batch-y")}
+    for table in map(Path, tables):
+        for name in named:
+            (table.parent / f"{name}.parquet").write_bytes(table.read_bytes())
+    (MODELS_FOLDER / lost).unlink()
+    found = find_broken_promises(named, outputs)
+    monkeypatch.setattr(promises, "MANY", 0)
+    assert find_broken_promises(named, outputs) == found and len(found) == 3
+
+
+def test_work_is_shared_over_processes_in_order(monkeypatch):
+    words = [f"w{number}" for number in range(7)]
+    assert shares.map_shared(str.upper, words, 3) == [word.upper() for word in words]
+    assert shares.map_shared(str.upper, [], 3) == []
+    monkeypatch.setattr(shares, "START", "raise SystemExit(1)")  # what a process leaves undone is made up for
+    assert shares.map_shared(str.upper, words, 3) == [word.upper() for word in words]
+    with pytest.raises(TypeError):
+        shares.map_shared(str.upper, [1, 2], 2)
+
+
 def test_a_failure_is_tried_again(corpus_of_two_stages):
     first, _, outputs = corpus_of_two_stages
     run(Stage(), first_rows(a="fail", b="reject"))
@@ -533,16 +556,52 @@ def test_what_is_lost_on_one_branch_withdraws_nothing_of_another(lost, found):
 # The table of all models
 
 
-def models_of(*batches):
-    """The table of models whose ids are the letters of the batches, each with its name."""
-    row = {"status": "ok", "reason": "", "seconds": 0.5, "peak_memory_mb": 10.0, "key": "k", "stamp": "s"}
+def models_of(*batches, code=None, **stamps):
+    """The table of models whose ids are the letters of the batches, each with its name; of some with a stamp."""
+    row = {"status": "ok", "reason": "", "seconds": 0.5, "peak_memory_mb": 10.0, "key": "k"}
     for name, models in batches:
-        rows = [row | {"model": model, "path": f"m/{model}.stl"} for model in models]
+        rows = [row | {"model": model, "path": f"m/{model}.stl", "stamp": stamps.get(model, "s")} for model in models]
         for stage in STAGES:
             table = pa.Table.from_pylist(rows, schema=STATUS_SCHEMA)
             write_parquet(layout.STATUS_FOLDER / stage / f"{name}.parquet", table)
     tables = {stage: [layout.STATUS_FOLDER / stage / f"{name}.parquet" for name, _ in batches] for stage in STAGES}
-    return model_table.make_model_table(tables).combine_chunks()
+    return model_table.make_model_table(tables, code).combine_chunks()
+
+
+def test_of_the_table_of_models_only_the_batches_that_changed_are_read_again(monkeypatch):
+    for model in "abc":
+        write_json(MODELS_FOLDER / model / "certificate.json", {"genus": ord(model), "open": model == "c", "x": None})
+    batches, asked, read = (("x", "ab"), ("y", "c")), [], model_table.read_json
+    monkeypatch.setattr(model_table, "read_json", lambda path: asked.append(path.parent.name) or read(path))
+    whole = models_of(*batches)
+    asked.clear()
+    assert models_of(*batches, code="1").equals(whole) and set(asked) == set("abc")
+    asked.clear()
+    again = models_of(*batches, code="1")
+    write_parquet(Path("whole.parquet"), whole)
+    write_parquet(Path("again.parquet"), again)
+    assert not asked and Path("again.parquet").read_bytes() == Path("whole.parquet").read_bytes()
+    write_json(MODELS_FOLDER / "c" / "certificate.json", {"genus": 1.5})
+    assert models_of(*batches, code="1", c="another")["genus"].to_pylist() == [97.0, 98.0, 1.5]
+    assert set(asked) == {"c"}
+    assert models_of(*batches, code="2", c="another").equals(models_of(*batches, c="another"))
+
+
+@pytest.mark.parametrize("change", [lambda data: data[:-9], lambda data: data[:40] + b"?" + data[41:]])
+def test_a_part_of_the_table_of_models_that_is_damaged_is_made_anew(change):
+    write_json(MODELS_FOLDER / "a" / "certificate.json", {"genus": 1})
+    whole, path = models_of(("x", "a"), code="1"), model_table.PARTS / "x.parquet"
+    path.write_bytes(change(path.read_bytes()))
+    assert models_of(("x", "a"), code="1").equals(whole)
+
+
+def test_a_part_of_the_table_of_models_is_not_kept_where_figures_could_not_be_read():
+    path = MODELS_FOLDER / "a" / "certificate.json"
+    path.parent.mkdir(parents=True)
+    path.write_text("{")
+    assert models_of(("x", "a"), code="1")["status"].to_pylist() == ["failed"]
+    write_json(path, {"genus": 1})
+    assert models_of(("x", "a"), code="1")["genus"].to_pylist() == [1]
 
 
 def test_what_a_stage_aside_refuses_leaves_the_model_its_verdict_and_is_told():

@@ -14,7 +14,7 @@ import pytest
 from corpus import receipts, stages, whole_files
 from corpus.jobs import Job
 from corpus.layout import MODELS_FOLDER, MODELS_TABLE, MODELS_TEXT, STAGES, STATUS_FOLDER, STATUS_SCHEMA
-from corpus.promises import find_broken_promises
+from corpus.promises import KEPT, find_broken_promises
 from corpus.receipts import read_receipt, receipt_name, seal_table, write_receipt
 from corpus.stages import Rejected
 from corpus.storage import (
@@ -267,6 +267,30 @@ def test_the_same_size_and_time_is_noticed_by_a_run_that_digests(finished):
     put_meshes(a="1 2 3")
     run_all(verify=True)
     assert contents() == finished
+
+
+def test_a_job_takes_over_by_size_and_time_what_the_last_table_stands_for_and_digests_the_rest(finished):
+    keeping_times(file("a", "vertices.parquet"), flip)
+    forged = contents()
+    status_table("inspect_mesh").unlink()
+    run_all()
+    assert contents() == forged and broken() == []
+    kept = KEPT / "inspect_mesh" / "batch-all.parquet"
+    for change in (flip, truncate, Path.unlink):
+        change(kept)
+        status_table("inspect_mesh").unlink()
+        run_all()
+        assert contents() == finished and broken() == []
+        keeping_times(file("a", "vertices.parquet"), flip)
+
+
+def test_a_job_computes_what_another_configuration_or_mesh_asks_for_and_keeps_the_other_rows(finished):
+    before = {row["model"]: row for row in pq.read_table(status_table("slice_mesh")).to_pylist()}
+    put_meshes(a="1 2 4")
+    status_table("inspect_mesh").unlink()
+    after = run_all()
+    assert read_json(file("a", "tilt.json")) == {"x": [1, 2, 4]}
+    assert {model for model in MODELS if after[model] != before[model]} == {"a"} and broken() == []
 
 
 def test_what_was_made_of_an_altered_file_goes_with_it(finished):

@@ -65,7 +65,7 @@ from corpus.promises import find_altered, find_blocked_folders, find_broken_prom
 from corpus.receipts import forget_stage
 from corpus.sample_sheet import read_sheet
 from corpus.shared_files import check_file_sharing
-from corpus.targets import find_unmade, read_wishes, redirect_targets, withdraw_outdated
+from corpus.targets import find_unmade, read_wishes, redirect_targets, spare_pandas, withdraw_outdated
 
 COMPILED = os.environ.setdefault("NUMBA_CACHE_DIR", str(compiled_code_folder(SCRIPTS / "reebslice")))
 
@@ -204,6 +204,7 @@ def ask_for_tables(targets):
 
 if workflow.is_main_process and IS_MAIN:
     redirect_targets(workflow, ask_for_tables)
+    spare_pandas(workflow)
 
 UNDERWAY = foretell_report(workflow) if workflow.is_main_process else []
 CAPTIONS = workflow.current_basedir.join("../report")
@@ -217,15 +218,20 @@ def paths_of(wildcards):
 
 
 def inputs_of(wildcards):
-    """Those of them, and of the files that they name, that Snakemake can take as inputs.
+    """Those of them, and of the files that they name, that Snakemake is to hold the status table against.
 
-    It reads {x} as a wildcard and <x> as a path variable. Of the others
-    stamp_of tells when they change. In a job, one that is gone by now is its
-    model's fault, not the batch's.
+    That is the newest, as it would need longer for ten thousand than all else
+    takes: if any is newer than the table, the newest is, and of the others
+    stamp_of tells when they change. A workflow that uses this one as a module
+    may have rules that make meshes, so there it is all of them. Snakemake reads
+    {x} as a wildcard and <x> as a path variable, so files of such names are
+    left out. In a job, a mesh that is gone by now is its model's fault, not the batch's.
     """
     meshes = [MODELS[model] for model in MEMBERS[wildcards.batch]]
-    companions = [path for mesh in meshes for path, size, _ in mesh.companions if size is not None]
-    paths = [path for path in paths_of(wildcards) + companions if not set("{}<>") & set(path)]
+    files = [(mesh.mtime_ns, mesh.path) for mesh in meshes]
+    files += [(time, path) for mesh in meshes for path, size, time in mesh.companions if size is not None]
+    files = [file for file in files if not set("{}<>") & set(file[1])]
+    paths = [path for _, path in ([max(files)] if files and IS_MAIN else files)]
     return paths if workflow.is_main_process else [path for path in paths if os.path.exists(path)]
 
 

@@ -19,7 +19,7 @@ def gather(job):
     """Write both tables over the status tables of all batches, `job.input` by stage."""
     trim_startup()
     remove_remains(MODELS_TABLE.parent)
-    table = make_model_table(vars(job.input))
+    table = make_model_table(vars(job.input), job.params.code)
     write_parquet(MODELS_TABLE, table)
     with place_whole(MODELS_TEXT, durably=True) as scratch:
         csv.write_csv(table, scratch)

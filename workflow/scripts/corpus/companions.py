@@ -8,7 +8,7 @@ from .whole_files import digest_file
 
 def list_companions(path):
     """List the files, as paths, that a mesh file names and that belong to its geometry: the buffers of a glTF file."""
-    if Path(path).suffix.lower() not in (".gltf", ".glb"):
+    if not str(path).lower().endswith((".gltf", ".glb")):
         return []
     from reebslice.formats.gltf_asset import list_companions  # of the library, and only where such a file is
 

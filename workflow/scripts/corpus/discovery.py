@@ -4,6 +4,7 @@ import difflib
 import fnmatch
 import os
 from dataclasses import dataclass
+from functools import cache
 from pathlib import Path
 
 from .companions import stamp_companions
@@ -99,8 +100,10 @@ def _list_files(folder, beside):
 def _name_models(files, folder):
     """Return the models by their ids, and the ids of those that are called after their endings too."""
     namesakes = {}
+    place_of = cache(lambda inner: os.path.relpath(inner or ".", folder or "."))  # of folders there are few
     for path, entry in files:
-        stem = os.path.relpath(os.path.splitext(path)[0], folder or ".")
+        inner, name = os.path.split(path)
+        stem = os.path.normpath(os.path.join(place_of(inner), os.path.splitext(name)[0]))
         namesakes.setdefault(make_model_id(stem), []).append((path, entry))
     models, renamed = {}, []
     for name, group in namesakes.items():

@@ -3,12 +3,15 @@
 import re
 from contextlib import suppress
 from functools import cache
+from pathlib import Path
 
 import pyarrow as pa
+import pyarrow.parquet as pq
 
 from .layout import MODELS_FOLDER, SIDE_STAGES, STAGES, read_status
-from .receipts import forget_stage
+from .receipts import forget_stage, make_key, seal_table, valid_receipt
 from .storage import read_json
+from .whole_files import digest_file, place_whole
 
 # Files of figures, and the stages that write them; of figures of one name, that of the later file counts.
 FIGURES = {"inspection.json": "inspect_mesh", "sampling.json": "classify_handles"}
@@ -17,27 +20,52 @@ FIGURES |= {"pockets.json": "find_pockets", "loops.json": "find_loops", "centrel
 FIGURES |= {"functions.json": "graph_functions"}
 FIRST = ("model", "path", "status", "reason", "verdict")
 LONGEST = 8  # entries of a group or list that is spread over columns
+PARTS = Path(".snakemake/reebslice_models")  # of the table, one per batch, as they were made last
 
 
-def make_model_table(tables):
+def make_model_table(tables, code=None):
     """Return the table of models.
 
     Parameters
     ----------
     tables : mapping of str to sequence of str
         Paths of the status tables by stage, one per batch, the batches in one order.
+    code : str, optional
+        Digest of the code that makes the table. With it, the part of a batch
+        is kept in :data:`PARTS`, and taken from there as long as the status
+        tables, whose stamps tell of the files of figures, are the same.
     """
     stages = [stage for stage in STAGES if stage in tables]
     last = [f"{figure}_{stage}" for figure in ("seconds", "peak_memory_mb") for stage in stages]
     parts = []
     for paths in zip(*(tables[stage] for stage in stages), strict=True):  # rows as objects are held of one batch
-        parts.append(_make_table(_join_stages(stages, paths), last))
+        parts.append(_make_part(stages, paths, last)[0] if code is None else _keep_part(stages, paths, last, code))
     return _concatenate(parts, last).sort_by("model")
 
 
+def _make_part(stages, paths, last):
+    """Return the table of one batch, and whether all its files of figures could be read."""
+    rows, whole = _join_stages(stages, paths)
+    return _make_table(rows, last), whole
+
+
+def _keep_part(stages, paths, last, code):
+    """Return the table of one batch as it was kept, if that was made of the same; else make it and keep it."""
+    path = PARTS / Path(paths[0]).name
+    key = make_key([digest_file(each) for each in paths], stages, code)
+    if valid_receipt(PARTS, path.stem, key, [path.name]):
+        return pq.ParquetFile(path).read()
+    part, whole = _make_part(stages, paths, last)
+    if whole:
+        with place_whole(path) as scratch:
+            pq.write_table(part, scratch)
+        seal_table(path, key=key)
+    return part
+
+
 def _join_stages(stages, paths):
-    """Return the rows of one batch, from its status tables in the order of stages."""
-    rows, without = {}, set()
+    """Return the rows of one batch, from its status tables in the order of stages, and whether all could be read."""
+    rows, without, whole = {}, set(), True
     for stage, path in zip(stages, paths, strict=True):
         for entry in read_status(path):
             row = rows.setdefault(entry["model"], _begun(entry))
@@ -53,6 +81,7 @@ def _join_stages(stages, paths):
         if row["status"] == "rejected" and row["model"] in without:  # its graphs are there, made without levels
             row |= {"status": "ok", "reason": f"Exact graphs alone, without levels: {row['reason']}"}
         figures, fault = _figures(row["model"], stages)
+        whole = whole and not fault
         row |= {name: figure for name, figure in figures.items() if name not in row}
         if fault and row["status"] in ("ok", "rejected"):
             row |= {"status": "failed", "reason": fault}
@@ -60,7 +89,7 @@ def _join_stages(stages, paths):
             row["reason"] = " ".join(filter(None, (figures.get("reason"), row["reason"])))
         if row["status"] != "ok":
             row["verdict"] = "rejected" if row["status"] == "rejected" else None
-    return list(rows.values())
+    return list(rows.values()), whole
 
 
 def _begun(entry):

@@ -88,10 +88,13 @@ def _seal(folder, receipt):
     return _digest([folder.name, receipt])
 
 
-def seal_table(path, *more):
-    """Leave a receipt beside what is over all models, and more files of it, so that it is seen when one is altered."""
+def seal_table(path, *more, key=""):
+    """Leave a receipt beside what is over all models, and more files of it, so that it is seen when one is altered.
+
+    key : what it was made of.
+    """
     marks = {file.name: _mark(file) for file in (path, *more)}
-    write_receipt(path.parent, path.stem, {"before": "", "key": "", "outputs": marks, "status": "ok"})
+    write_receipt(path.parent, path.stem, {"before": "", "key": key, "outputs": marks, "status": "ok"})
 
 
 def valid_receipt(folder, stage, key, outputs=None):

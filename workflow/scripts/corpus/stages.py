@@ -5,7 +5,8 @@ A stage is a function ``main(source, target, options)``. Of every model it
 leaves its outputs in ``results/models/{model}/`` and, once all of them are in
 place, a receipt ``.{stage}.json`` with the content key: the digest of what
 the outputs depend on. A model whose receipt still holds is not computed
-again. The batch as a whole leaves one status table, which is what Snakemake
+again; nor are its files read where the last status table still stands for
+them. The batch as a whole leaves one status table, which is what Snakemake
 tracks.
 
 A model that cannot be computed stops nothing but itself: it becomes a row of
@@ -27,7 +28,7 @@ import pyarrow as pa
 from .companions import digest_mesh
 from .layout import BEFORE, MODELS_FOLDER, STATUS_SCHEMA, read_status
 from .process import Failed, describe_fault, log_line, peak_memory_mb, reset_peak_memory, trim_startup
-from .promises import vouch
+from .promises import keep_promises, recall_standing, vouch
 from .receipts import disown, make_key, move_in, unchanged_inputs, valid_receipt, withdraw, write_receipt
 from .storage import AlteredFileError, content_key, write_parquet
 from .whole_files import remove_remains
@@ -82,10 +83,15 @@ def run_batch(job, main, outputs):
         rows = read_status(job.input.status)
     own = getattr(parameters, "own", {})
     rows = [row | {"options": own[row["model"]]} if row["model"] in own else row for row in rows]
-    done = run_models(stage, rows, main, outputs, parameters.options, parameters.code, digest, Limits(**job.limits))
-    done = vouch(stage, done, outputs)
+    keys = {row["model"]: _key_of(row, parameters.options, parameters.code) for row in rows if row["status"] == "ok"}
+    standing = recall_standing(status, keys, outputs)
+    due = [row for row in rows if row["model"] not in standing]
+    done = run_models(stage, due, main, outputs, parameters.options, parameters.code, digest, Limits(**job.limits))
+    done = standing | {row["model"]: row for row in vouch(stage, done, outputs)}
+    done = [done[row["model"]] | {"path": row["path"]} for row in rows]
     remove_remains(status.parent, status.name)
     write_parquet(status, pa.Table.from_pylist(done, schema=STATUS_SCHEMA))
+    keep_promises(status)
 
 
 def run_models(stage, rows, main, outputs, options, code, digest=None, limits=None):
@@ -134,7 +140,7 @@ def _run_model(task, row):
             withdraw(folder, task.stage, task.outputs)
         reason = row["reason"] if row["status"] == "skipped" else f"{row['status']} earlier: {row['reason']}"
         return _new_row(row, {"status": "skipped", "reason": reason, "key": ""})
-    key = make_key(row["key"], row.get("options", task.options), task.code)
+    key = _key_of(row, task.options, task.code)
     start, told = time.perf_counter(), "already there"
     try:
         with _alone_in(folder):
@@ -147,6 +153,11 @@ def _run_model(task, row):
         receipt = _failure(key, f"{task.stage}: {folder}: {describe_fault(fault)}", time.perf_counter() - start)
     log_line(f"{row['model']}: {receipt['status']}, {told}. {receipt['reason']}")
     return _new_row(row, receipt)
+
+
+def _key_of(row, options, code):
+    """Return the content key of what a stage makes of a model, by its row of the stage before."""
+    return make_key(row["key"], row.get("options", options), code)
 
 
 def _new_row(row, receipt):
@@ -215,7 +226,7 @@ def _leave(task, scratch, folder, receipt, start):
 def _lose(task, row, lost):
     """Leave of a model whose process ended what a failure leaves; return its new row."""
     folder = MODELS_FOLDER / row["model"]
-    key = make_key(row["key"], row.get("options", task.options), task.code)
+    key = _key_of(row, task.options, task.code)
     receipt = {"before": row["key"]} | _failure(key, f"{task.stage}: {lost.reason}", lost.seconds)
     log_line(f"{row['model']}: failed. {receipt['reason']}")
     with suppress(OSError), _alone_in(folder):

@@ -6,6 +6,7 @@ from xml.parsers import expat
 
 NAMESPACE = "http://graphml.graphdrawing.org/xmlns"
 ELEMENTS = ("graphml", "key", "graph", "node", "edge", "data")
+KINDS = {f"{NAMESPACE} {name}": name for name in ELEMENTS}  # by the names that expat tells
 TYPES: dict[str, Callable] = {"string": str, "long": int, "double": float}
 
 
@@ -44,7 +45,7 @@ def parse_graph(document):
     parser = expat.ParserCreate("utf-8", " ")
     parser.buffer_text = True
     parser.StartElementHandler, parser.EndElementHandler = reader.start, reader.end
-    parser.CharacterDataHandler = reader.read
+    parser.CharacterDataHandler = reader.text.append
     parser.Parse(document, True)
     if reader.directions != ["undirected"]:
         raise ValueError(f"the document holds {len(reader.directions)} graphs, or one that is not undirected")
@@ -59,14 +60,14 @@ class _Reader:
 
     def __init__(self):
         self.keys, self.directions, self.nodes, self.edges = {}, [], [], []
-        self.data, self.text = {}, ""
+        self.data, self.text = {}, []
         self.about = self.data
 
-    def start(self, element, attributes):
-        space, _, element = element.rpartition(" ")
-        if space != NAMESPACE or element not in ELEMENTS:
-            raise ValueError(f"the document holds an element {element!r}, which is none of a graph")
-        self.text = ""
+    def start(self, name, attributes):
+        element = KINDS.get(name)
+        if element is None:
+            raise ValueError(f"the document holds an element {name.rpartition(' ')[2]!r}, which is none of a graph")
+        self.text.clear()
         if element == "data":
             self.name, self.cast = self.keys[attributes["key"]]
         elif element == "node":
@@ -81,12 +82,9 @@ class _Reader:
         elif element == "graph":
             self.directions.append(attributes["edgedefault"])
 
-    def read(self, text):
-        self.text += text
-
-    def end(self, element):
-        element = element.rpartition(" ")[2]
+    def end(self, name):
+        element = KINDS[name]
         if element == "data":
-            self.data[self.name] = self.cast(self.text)
+            self.data[self.name] = self.cast("".join(self.text))
         elif element in ("node", "edge"):
             self.data = self.about
