@@ -46,7 +46,7 @@ def measure_graphs(names):
 def _measure(name):
     """Print the row of one solid."""
     from reebslice.errors import TooManyCrossingsError
-    from reebslice.graphs.exact import rayed_solid_graph, sliced_solid_graph
+    from reebslice.graphs.exact import merged_solid_graph, sliced_solid_graph
     from reebslice.morse.height_mesh import height_mesh
     from reebslice.morse.reeb_graph import surface_reeb_graph
 
@@ -64,7 +64,7 @@ def _measure(name):
         while len(seconds[2]) < 3 and sum(seconds[2]) < SLOW:
             graph, taken = timed(surface_reeb_graph, mesh)
             seconds[0].append(taken)
-            (nodes, arcs), taken = timed(rayed_solid_graph, mesh, graph, body)
+            (nodes, arcs), taken = timed(merged_solid_graph, mesh, graph, body)
             seconds[1].append(taken)
             grown = grown or _peak() - before
             found, taken = timed(sliced_solid_graph, mesh, graph, body)
