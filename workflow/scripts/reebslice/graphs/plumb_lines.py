@@ -37,6 +37,8 @@ class LineHits(NamedTuple):
     doubtful : (Q,) bool
         Whether rounding leaves open which of several faces is first; `face` is one of them, and the bounds hold
         for the first.
+    winding : (Q,) int32
+        How many more of all faces that the line meets look upward than downward.
     """
 
     face: np.ndarray
@@ -44,6 +46,7 @@ class LineHits(NamedTuple):
     near: np.ndarray
     far: np.ndarray
     doubtful: np.ndarray
+    winding: np.ndarray
 
 
 class _Strips(NamedTuple):
@@ -85,6 +88,8 @@ def meet_faces(points, faces, body_of_vertex, vertices, upward):
     LineHits or None
         None where a face goes through a vertex.
     """
+    if not len(vertices):
+        return LineHits(*(np.empty(0, kind) for kind in (np.int32, bool, float, float, bool, np.int32)))
     order, strips = _lay_strips(points, vertices, upward)
     touches, _, hits = _meet(points, faces, body_of_vertex, strips, False)
     place = np.argsort(order)
@@ -120,7 +125,7 @@ def _lay_strips(points, vertices, upward):
     strip = np.empty(count, np.int64)
     strip[by_x] = np.arange(count) // width
     order, left = np.lexsort((y, strip)), x[by_x[::width]]
-    low, spread = left.min(initial=np.inf), np.ptp(left) if count else 0.0
+    low, spread = left[0], left[-1] - left[0]
     scale = 4 * len(left) / spread if spread > 0 else 0.0
     cells = _cell_of(left, low, scale, 4 * len(left) + 1)
     head = np.searchsorted(cells, np.arange(4 * len(left) + 2))
@@ -138,7 +143,7 @@ def _meet(points, faces, body, strips, listing):
     """Whether any face goes through a vertex, lines and faces that they meet if asked, and columns of `LineHits`."""
     count, work, near_ends = len(strips.x), np.empty(ROOM), len(strips.head) - 1
     face, rises, doubtful = np.full(count, np.int32(-1)), np.zeros(count, np.bool_), np.zeros(count, np.bool_)
-    near, far = np.full(count, np.inf), np.full(count, np.inf)
+    near, far, winding = np.full(count, np.inf), np.full(count, np.inf), np.zeros(count, np.int32)
     touches, listed = False, [np.int64(0) for _ in range(0)]
     for f in range(len(faces)):
         a, b, c = np.int64(faces[f, 0]), np.int64(faces[f, 1]), np.int64(faces[f, 2])
@@ -156,10 +161,6 @@ def _meet(points, faces, body, strips, listing):
                 v, up = strips.vertex[line], strips.upward[line]
                 if (highest <= v if up else a >= v) or not x0 <= strips.x[line] <= x1 or body[a] != body[v]:
                     continue
-                if not listing and face[line] >= 0:  # beyond the one that is met
-                    other = np.int64(face[line])
-                    if a >= max(faces[other, 1], faces[other, 2]) if up else highest <= faces[other, 0]:
-                        continue
                 turn = _turn_around(points, a, b, c, v, work)
                 if turn == 0:
                     continue
@@ -171,6 +172,11 @@ def _meet(points, faces, body, strips, listing):
                     listed.append(line)
                     listed.append(f)
                     continue
+                winding[line] += turn
+                if face[line] >= 0:  # beyond the one that is met
+                    other = np.int64(face[line])
+                    if a >= max(faces[other, 1], faces[other, 2]) if up else highest <= faces[other, 0]:
+                        continue
                 least, most = _bound_distance(points, a, b, c, v)
                 if most < near[line]:
                     face[line], rises[line], doubtful[line] = f, turn > 0, False
@@ -178,7 +184,7 @@ def _meet(points, faces, body, strips, listing):
                 elif least <= far[line]:
                     doubtful[line] = True
                     near[line], far[line] = min(near[line], least), min(far[line], most)
-    return touches, np.array(listed), (face, rises, near, far, doubtful)
+    return touches, np.array(listed), (face, rises, near, far, doubtful, winding)
 
 
 @njit(inline="always")

@@ -87,8 +87,10 @@ def solid_graph_by_trees(mesh, graph, body_of_vertex):
     hits = meet_faces(scaled, mesh.faces, body_of_vertex, vertices, upward)
     if hits is None:
         return None
+    if (hits.winding != np.where(upward, 1, -1)).any():
+        return None
     hits = settle_hits(mesh, scaled, body_of_vertex, (vertices, upward), hits)
-    if hits is None or (hits.face < 0).any() or (hits.rises != upward).any():
+    if hits is None or (hits.rises != upward).any():
         return None
     cut = cut_at_loops(mesh, graph, body_of_vertex)
     behind = end_lines(mesh, cut, body_of_vertex, (vertices, upward), hits)
