@@ -71,10 +71,11 @@ def exact_graphs(
     sampled, and what is decided by coordinates is decided in rational numbers
     where rounding leaves it open. The solid's graph takes the
     contours of the fewest levels that leave no events together, where these are
-    few; else it is made of arcs of the surface's, with one ray for each event
-    of a hole (:mod:`.graphs.solid_by_rays`), so noise that makes critical
-    points by the ten thousand costs little. Where the surface crosses itself
-    and rays find out, contours have to do; time and memory then grow as these.
+    few; else it is made from merge trees of the surface, which a plumb line at
+    each extremum of a void ties together (:mod:`.graphs.solid_by_trees`), so
+    noise that makes critical points by the hundred thousand costs little. Where
+    the surface crosses itself and plumb lines find out, contours have to do;
+    time and memory then grow as these.
 
     Parameters
     ----------
@@ -139,7 +140,7 @@ def solid_reeb_graph(mesh, graph, body_of_vertex):
     nodes, arcs
         As of :func:`merged_solid_graph`.
     """
-    most = max(FEW_CROSSINGS, len(mesh.faces) // 4)  # rays visit every face
+    most = max(FEW_CROSSINGS, len(mesh.faces) // 4)  # merge trees take a visit to every face
     # each arc is crossed, by a contour of three points at least; and of flat pairs slices keep some
     if 3 * len(graph.arcs) <= most and not len(find_flat_pairs(mesh.points[graph.nodes, 2], graph)):
         with suppress(TooManyCrossingsError):
@@ -148,7 +149,7 @@ def solid_reeb_graph(mesh, graph, body_of_vertex):
 
 
 def merged_solid_graph(mesh, graph, body_of_vertex):
-    """Build the Reeb graph of the solid from that of its surface by rays, or where these find none, by slices.
+    """Build the Reeb graph of the solid from that of its surface by merge trees, or where these fit no solid, by slices.
 
     Parameters
     ----------
@@ -189,7 +190,7 @@ def sliced_solid_graph(mesh, graph, body_of_vertex, most=None):
     Returns
     -------
     nodes, arcs
-        As of :func:`merged_solid_graph`; but a pair of equal height stays where a level parts it for the sake of others.
+        As of :func:`merged_solid_graph`; but a pair of equal height stays where a level parts it for others' sake.
 
     Raises
     ------

@@ -15,6 +15,8 @@ from .plumb_lines import list_faces
 # Direction of rays in levels: parallel to no line through few points of a lattice.
 FORWARD = Fraction(0.8765432101234567), Fraction(0.4813349876543211)
 
+AT_FACE = -2
+
 
 def settle_hits(mesh, scaled, body_of_vertex, lines, hits):
     """Decide which face is first on the lines for which that is doubtful.
@@ -87,9 +89,9 @@ def exact_end(mesh, cut, body_of_vertex, line, ends, tilt):
 
     Returns
     -------
-    int or None
-        The region, or -1 where it meets the face first. None where it comes to the level outside of all regions, or
-        where contours touch.
+    int
+        The region, or AT_FACE where it meets the face first, or -1 where it comes to the level outside of all
+        regions, or where contours touch.
     """
     (v, up), (face, level) = line, ends
     plane = _Level(mesh, int(cut.levels.below[level]), tilt)
@@ -98,20 +100,22 @@ def exact_end(mesh, cut, body_of_vertex, line, ends, tilt):
         x, y = map(Fraction, mesh.points[v, :2].tolist())
         height = _height_beside(mesh, face, v)[0] + tilt * x + tilt * tilt * y
         if height < plane.level if up else height > plane.level:
-            return -1
+            return AT_FACE
     contours = cut.contours
     first, end = np.searchsorted(contours.level, np.array([level, level + 1], contours.level.dtype))
     hits = []
     for contour in range(first, end):
         if body_of_vertex[contours.lower[contour]] == body_of_vertex[v]:
             region = int(cut.regions.of_contour[contour])
-            hits += [(distance, region, leaves) for distance, leaves in plane.cross_ray(int(contours.first[contour]), v)]
+            hits += [
+                (distance, region, leaves) for distance, leaves in plane.cross_ray(int(contours.first[contour]), v)
+            ]
     if not hits:
-        return None
+        return -1
     distance = min(hits)[0]
     found = {region for far, region, _ in hits if far == distance}
     leaves = any(leaves for far, _, leaves in hits if far == distance)
-    return found.pop() if len(found) == 1 and leaves else None
+    return found.pop() if len(found) == 1 and leaves else -1
 
 
 class _Level:
@@ -148,7 +152,9 @@ class _Level:
                     x, y = (a - b for a, b in zip(self.cross(int(low[j]), int(high[j])), start))
                     places[j] = x, y, FORWARD[0] * x + FORWARD[1] * y, FORWARD[0] * y - FORWARD[1] * x
             (px, py, pt, ps), (qx, qy, qt, qs) = places[k - 1], places[k]
-            if (ps >= 0) == (qs >= 0):  # what is on the line is to its left, as the line runs by the right of the vertex
+            if (ps >= 0) == (
+                qs >= 0
+            ):  # what is on the line is to its left, as the line runs by the right of the vertex
                 continue
             distance = (pt * qs - ps * qt) / (qs - ps)
             ahead = (px - qx if py == qy else qy - py) * (1 if qs < ps else -1) if distance == 0 else distance

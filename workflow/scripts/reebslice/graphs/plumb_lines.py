@@ -89,11 +89,14 @@ def meet_faces(points, faces, body_of_vertex, vertices, upward):
         None where a face goes through a vertex.
     """
     if not len(vertices):
-        return LineHits(*(np.empty(0, kind) for kind in (np.int32, bool, float, float, bool, np.int32)))
+        return _no_hits(0)
     order, strips = _lay_strips(points, vertices, upward)
     touches, _, hits = _meet(points, faces, body_of_vertex, strips, False)
-    place = np.argsort(order)
-    return None if touches else LineHits(*(column[place] for column in hits))
+    if touches:
+        return None
+    place = np.empty(len(order), np.int64)
+    place[order] = np.arange(len(order))
+    return LineHits(*(column[place] for column in hits))
 
 
 def list_faces(points, faces, body_of_vertex, vertices, upward):
@@ -140,26 +143,22 @@ def _cell_of(x, low, scale, count):
 
 @njit
 def _meet(points, faces, body, strips, listing):
-    """Whether any face goes through a vertex, lines and faces that they meet if asked, and columns of `LineHits`."""
-    count, work, near_ends = len(strips.x), np.empty(ROOM), len(strips.head) - 1
-    face, rises, doubtful = np.full(count, np.int32(-1)), np.zeros(count, np.bool_), np.zeros(count, np.bool_)
-    near, far, winding = np.full(count, np.inf), np.full(count, np.inf), np.zeros(count, np.int32)
+    """Whether any face goes through a vertex, lines and faces that they meet if asked, and else the hits."""
+    work, hits = np.empty(ROOM), _no_hits(len(strips.x))
     touches, listed = False, [np.int64(0) for _ in range(0)]
     for f in range(len(faces)):
         a, b, c = np.int64(faces[f, 0]), np.int64(faces[f, 1]), np.int64(faces[f, 2])
-        highest = max(b, c)
         x0, x1 = _span(points[a, 0], points[b, 0], points[c, 0])
         y0, y1 = _span(points[a, 1], points[b, 1], points[c, 1])
-        cell = int(min(max((x0 - strips.low) * strips.scale, 0.0), near_ends - 1.0))
-        strip = max(_first_from(strips.left, strips.head[cell], strips.head[cell + 1], x0) - 1, 0)
+        strip, highest = _first_strip(strips, x0), max(b, c)
         while strip < len(strips.left) and strips.left[strip] <= x1:
-            end = min((strip + 1) * strips.width, count)
+            end = min((strip + 1) * strips.width, len(strips.x))
             line = _first_from(strips.y, strip * strips.width, end, y0) - 1
             strip += 1
             while line + 1 < end and strips.y[line + 1] <= y1:
                 line += 1
                 v, up = strips.vertex[line], strips.upward[line]
-                if (highest <= v if up else a >= v) or not x0 <= strips.x[line] <= x1 or body[a] != body[v]:
+                if not (x0 <= strips.x[line] <= x1 and (highest > v if up else a < v) and body[a] == body[v]):
                     continue
                 turn = _turn_around(points, a, b, c, v, work)
                 if turn == 0:
@@ -167,24 +166,50 @@ def _meet(points, faces, body, strips, listing):
                 side = side_sign(points, (a, b, c), v, work)
                 touches |= side == 0
                 if (side == turn) == up:
-                    continue
+                    continue  # the face is on the other side of the vertex
                 if listing:
                     listed.append(line)
                     listed.append(f)
-                    continue
-                winding[line] += turn
-                if face[line] >= 0:  # beyond the one that is met
-                    other = np.int64(face[line])
-                    if a >= max(faces[other, 1], faces[other, 2]) if up else highest <= faces[other, 0]:
-                        continue
-                least, most = _bound_distance(points, a, b, c, v)
-                if most < near[line]:
-                    face[line], rises[line], doubtful[line] = f, turn > 0, False
-                    near[line], far[line] = least, most
-                elif least <= far[line]:
-                    doubtful[line] = True
-                    near[line], far[line] = min(near[line], least), min(far[line], most)
-    return touches, np.array(listed), (face, rises, near, far, doubtful, winding)
+                else:
+                    _note_face(points, faces, strips, hits, line, f, turn)
+    return touches, np.array(listed), hits
+
+
+@njit
+def _no_hits(count):
+    """The hits of so many lines that have met no face yet."""
+    near, far, winding = np.full(count, np.inf), np.full(count, np.inf), np.zeros(count, np.int32)
+    return LineHits(
+        np.full(count, np.int32(-1)), np.zeros(count, np.bool_), near, far, np.zeros(count, np.bool_), winding
+    )
+
+
+@njit(inline="always")
+def _first_strip(strips, x):
+    """The first strip that may hold lines from x on."""
+    cell = int(min(max((x - strips.low) * strips.scale, 0.0), len(strips.head) - 2.0))
+    return max(_first_from(strips.left, strips.head[cell], strips.head[cell + 1], x) - 1, 0)
+
+
+@njit
+def _note_face(points, faces, strips, hits, line, f, turn):
+    """Note a face that a line meets, if it may be the first; turn : 1 if it looks upward, else -1."""
+    hits.winding[line] += turn
+    lowest, highest, known = faces[f, 0], max(faces[f, 1], faces[f, 2]), hits.face[line]
+    if known >= 0:
+        if strips.upward[line]:
+            beyond = lowest >= max(faces[known, 1], faces[known, 2])
+        else:
+            beyond = highest <= faces[known, 0]
+        if beyond:
+            return
+    near, far = _bound_distance(points, faces[f], strips.vertex[line])
+    if far < hits.near[line]:
+        hits.face[line], hits.rises[line], hits.doubtful[line] = f, turn > 0, False
+        hits.near[line], hits.far[line] = near, far
+    elif near <= hits.far[line]:
+        hits.doubtful[line] = True
+        hits.near[line], hits.far[line] = min(hits.near[line], near), min(hits.far[line], far)
 
 
 @njit(inline="always")
@@ -233,11 +258,12 @@ def _turn(points, i, j, v, work):
 
 
 @njit
-def _bound_distance(points, a, b, c, v):
+def _bound_distance(points, corners, v):
     """Bounds of the plumb distance of v from the plane of a face that is not upright.
 
     It is six times the volume of the tetrahedron over twice the area of the face seen from above.
     """
+    a, b, c = corners
     ux, uy, uz = points[b, 0] - points[a, 0], points[b, 1] - points[a, 1], points[b, 2] - points[a, 2]
     vx, vy, vz = points[c, 0] - points[a, 0], points[c, 1] - points[a, 1], points[c, 2] - points[a, 2]
     wx, wy, wz = points[v, 0] - points[a, 0], points[v, 1] - points[a, 1], points[v, 2] - points[a, 2]

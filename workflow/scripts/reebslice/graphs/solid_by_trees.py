@@ -97,9 +97,10 @@ def solid_graph_by_trees(mesh, graph, body_of_vertex):
     if behind is None:
         return None
     gates = find_gates(mesh.faces, mesh.twins, len(mesh.points))
+    ways, ties = (gates.into, gates.out), [(vertices[side], behind[side]) for side in (~upward, upward)]
     up, down = (
-        merge_components(mesh.faces, way, graph.nodes, cut.cuts, above, (vertices[upward != above], behind[upward != above]))
-        for way, above in ((gates.into, True), (gates.out, False))
+        merge_components(mesh.faces, way, graph.nodes, cut.cuts, sweep_up, tie)
+        for way, sweep_up, tie in zip(ways, (True, False), ties)
     )
     return _graph_of_trees(up.following, down.following, number_nodes(graph.nodes, cut.cuts), cut.cuts.top)
 

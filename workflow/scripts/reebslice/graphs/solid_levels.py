@@ -5,7 +5,6 @@ Between two such levels neither the surface nor the solid has a loop
 the two ends of each loop, so what is fine and near each other shares one level.
 """
 
-from functools import cache
 from typing import NamedTuple
 
 import numpy as np
@@ -20,13 +19,13 @@ from ..slicing.exact_contours import exact_tilt
 from ..slicing.graph_slices import trace_arcs_at_levels
 from ..slicing.levels import Levels, cut_between, pierce
 from ..slicing.regions import Regions, find_regions
-from .exact_lines import FORWARD, exact_end
+from .exact_lines import AT_FACE, FORWARD, exact_end
+from .plumb_lines import LineHits
 
 # Of the largest coordinate: offsets and distances in a level, with what a crossing is off its place, err by less.
 ROUNDING = 128 * np.finfo(float).eps
 TURN = tuple(map(float, FORWARD))
 UNSURE = 2
-NONE, BEFORE = -1, -2  # of a line: that it comes to no level, and that a face comes before the level
 
 
 class LoopCut(NamedTuple):
@@ -107,44 +106,49 @@ def end_lines(mesh, cut, body_of_vertex, lines, hits):
         a level outside of all regions.
     """
     (vertices, upward), below = lines, cut.levels.below
-    faces = mesh.faces[hits.face]
-    low, high = faces[:, 0], faces[:, 1:].max(axis=1, initial=0)
+    corners = mesh.faces[hits.face]
+    low, high = corners[:, 0], corners[:, 1:].max(axis=1, initial=0)
     behind = np.where(upward, high, low)
     level = np.searchsorted(below, vertices, side="right") - ~upward
-    met = (level >= 0) & (level < len(below))
-    cutting = below[level[met]]
-    met[met] = np.where(upward[met], high[met] >= cutting, low[met] < cutting)
-    if not met.any():
-        return behind
-    chosen = np.flatnonzero(met)
-    level = level[chosen]
-    crosses = (low[chosen] < below[level]) & (high[chosen] >= below[level])
-    first, open_ = _compare_with_level(mesh, cut.levels, vertices[chosen], level, hits, chosen)
-    region = np.full(len(chosen), -1)
-    beyond = ~(crosses & (first | open_))
-    region[beyond], doubtful = _locate(mesh, cut, body_of_vertex, vertices[chosen[beyond]], level[beyond])
-    region[crosses & first] = _regions_of_faces(mesh, cut, hits.face[chosen[crosses & first]], level[crosses & first])
-    unsettled = crosses & open_
-    unsettled[np.flatnonzero(beyond)[doubtful]] = True
-    tilt = cache(lambda: exact_tilt(mesh.points))
-    for k in np.flatnonzero(unsettled).tolist():
-        face, at = int(hits.face[chosen[k]]), int(level[k])
-        found = exact_end(mesh, cut, body_of_vertex, (int(vertices[chosen[k]]), bool(upward[chosen[k]])), (face, at), tilt())
-        if found is None:
+    chosen = np.flatnonzero((level >= 0) & (level < len(below)))
+    cutting = below[level[chosen]]
+    come = np.where(upward[chosen], high[chosen] >= cutting, low[chosen] < cutting)
+    chosen, cutting = chosen[come], cutting[come]
+    if len(chosen):
+        crosses = (low[chosen] < cutting) & (high[chosen] >= cutting)
+        region = _find_regions(mesh, cut, body_of_vertex, (vertices[chosen], upward[chosen]), level[chosen],
+                               (LineHits(*(column[chosen] for column in hits)), crosses))  # fmt: skip
+        if (region < 0).any():
             return None
-        region[k] = _regions_of_faces(mesh, cut, np.array([face]), np.array([at]))[0] if found < 0 else found
-    if (region < 0).any():
-        return None
-    behind[chosen] = code_of_node(cut.cuts.top[region] + ~upward[chosen])
+        behind[chosen] = code_of_node(cut.cuts.top[region] + ~upward[chosen])
     return behind
 
 
-def _compare_with_level(mesh, levels, lines, level, hits, chosen):
+def _find_regions(mesh, cut, body_of_vertex, lines, level, hits):
+    """The region of a level that each line comes to, or to which a face before it comes: (q,), -1 for none.
+
+    level : (q,) next on the way; hits : the first faces, and whether they cross the level.
+    """
+    (vertices, upward), (hits, crosses) = lines, hits
+    first, open_ = (crosses & which for which in _compare_with_level(mesh, cut.levels, vertices, level, hits))
+    region, beyond = np.full(len(level), -1), np.flatnonzero(~first & ~open_)
+    region[first] = _regions_of_faces(mesh, cut, hits.face[first], level[first])
+    region[beyond], doubtful = _locate(mesh, cut, body_of_vertex, vertices[beyond], level[beyond])
+    open_[beyond[doubtful]] = True
+    tilt = exact_tilt(mesh.points) if open_.any() else None
+    for k in np.flatnonzero(open_).tolist():
+        line, ends = (int(vertices[k]), bool(upward[k])), (int(hits.face[k]), int(level[k]))
+        found = exact_end(mesh, cut, body_of_vertex, line, ends, tilt)
+        region[k] = _regions_of_faces(mesh, cut, hits.face[[k]], level[[k]])[0] if found == AT_FACE else found
+    return region
+
+
+def _compare_with_level(mesh, levels, vertices, level, hits):
     """Whether lines meet faces before they come to levels, and whether rounding leaves that open: two (q,) bool."""
-    way = np.abs(mesh.points[lines, 2] - levels.height[level])
+    way = np.abs(mesh.points[vertices, 2] - levels.height[level])
     way = np.ldexp(way, LARGEST - int(np.frexp(np.abs(mesh.points).max())[1]))  # in the unit of `scale_points`
     off = np.finfo(float).eps * way
-    first, beyond = hits.far[chosen] < way - off, hits.near[chosen] > way + off
+    first, beyond = hits.far < way - off, hits.near > way + off
     return first, ~first & ~beyond
 
 
