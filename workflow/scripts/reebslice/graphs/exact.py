@@ -149,7 +149,7 @@ def solid_reeb_graph(mesh, graph, body_of_vertex):
 
 
 def merged_solid_graph(mesh, graph, body_of_vertex):
-    """Build the Reeb graph of the solid from that of its surface by merge trees, or where these fit no solid, by slices.
+    """Build the Reeb graph of the solid from that of its surface by merge trees or, where these fit none, by slices.
 
     Parameters
     ----------

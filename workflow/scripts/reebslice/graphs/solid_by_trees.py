@@ -39,19 +39,23 @@ ends in the region there.
 | what | needs |
 | --- | --- |
 | merge trees | the order of ranks |
-| ``->o`` or ``->i`` | the sign of the area of a link (:mod:`..handles.sides`) |
+| which extrema are of voids | signs of contours (:mod:`.outer_arcs`) |
 | ends of lines | signs of determinants (:mod:`.plumb_lines`, :mod:`.exact_lines`) |
 | regions of levels | nesting of contours (:mod:`..slicing.regions`) |
+
+The signs of all contours tell which event each node is, and so how many arcs
+end and begin there. Trees know nothing of these signs but at extrema, so that
+a surface that crosses itself hardly fits both.
 """
 
 import numpy as np
 
-from ..handles.sides import link_areas
 from ..kernels import njit
 from ..mesh.exact_signs import scale_points
 from ..morse.contour_trees import find_gates, merge_components, prune_leaves
 from ..morse.loop_cuts import number_nodes
 from .exact_lines import settle_hits
+from .outer_arcs import find_inner_arcs
 from .plumb_lines import meet_faces
 from .solid_levels import cut_at_loops, end_lines
 
@@ -82,7 +86,11 @@ def solid_graph_by_trees(mesh, graph, body_of_vertex):
     """
     if _touches_itself(mesh):
         return None
-    vertices, upward = _ends_of_void(mesh, graph)
+    gates = find_gates(mesh.faces, mesh.twins, len(mesh.points))
+    inner = find_inner_arcs(mesh, graph, gates.into)
+    if inner is None:
+        return None
+    vertices, upward = _ends_of_void(graph, inner)
     scaled = scale_points(mesh.points)
     hits = meet_faces(scaled, mesh.faces, body_of_vertex, vertices, upward)
     if hits is None:
@@ -96,13 +104,13 @@ def solid_graph_by_trees(mesh, graph, body_of_vertex):
     behind = end_lines(mesh, cut, body_of_vertex, (vertices, upward), hits)
     if behind is None:
         return None
-    gates = find_gates(mesh.faces, mesh.twins, len(mesh.points))
     ways, ties = (gates.into, gates.out), [(vertices[side], behind[side]) for side in (~upward, upward)]
     up, down = (
         merge_components(mesh.faces, way, graph.nodes, cut.cuts, sweep_up, tie)
         for way, sweep_up, tie in zip(ways, (True, False), ties)
     )
-    return _graph_of_trees(up.following, down.following, number_nodes(graph.nodes, cut.cuts), cut.cuts.top)
+    arcs = _graph_of_trees(up.following, down.following, number_nodes(graph.nodes, cut.cuts), cut.cuts.top)
+    return arcs if arcs is not None and _fits_events(graph, inner, arcs) else None
 
 
 def _touches_itself(mesh):
@@ -113,14 +121,23 @@ def _touches_itself(mesh):
     return ((mesh.points[1:] == mesh.points[:-1]).all(axis=1) & (mesh.vertex[1:] != mesh.vertex[:-1])).any()
 
 
-def _ends_of_void(mesh, graph):
+def _ends_of_void(graph, inner):
     """Extrema where void begins or ends: ranks (Q,), ascending, and whether material is above, (Q,) bool."""
-    count = len(graph.nodes)
-    low, high = (np.bincount(graph.arcs[:, k], minlength=count) for k in (0, 1))
-    ends = np.flatnonzero(low + high == 1)
-    is_minimum = low[ends] == 1
-    hole = (link_areas(mesh, graph.nodes[ends]) > 0) == is_minimum
-    return graph.nodes[ends[hole]].astype(np.int64), ~is_minimum[hole]
+    begins, ends = (np.bincount(graph.arcs[inner, k], minlength=len(graph.nodes)) > 0 for k in (0, 1))
+    void = np.flatnonzero((begins | ends) & (np.bincount(graph.arcs.ravel()) == 1))
+    return graph.nodes[void].astype(np.int64), ends[void]
+
+
+def _fits_events(graph, inner, arcs):
+    """Whether as many arcs end and begin at each node of the solid's graph as outer contours do.
+
+    The contour around the event counts for both where the one contour below or above is a hole.
+    """
+    count, outer = len(graph.nodes), graph.arcs[~inner]
+    ends = [np.bincount(graph.arcs[:, k], minlength=count) for k in (0, 1)]
+    own = [np.bincount(outer[:, k], minlength=count) for k in (0, 1)]
+    hosted = ((ends[0] == 1) & (own[0] == 0)) | ((ends[1] == 1) & (own[1] == 0))
+    return all((np.bincount(arcs[:, k], minlength=count) == own[k] + hosted).all() for k in (0, 1))
 
 
 def _graph_of_trees(up, down, number, top):
