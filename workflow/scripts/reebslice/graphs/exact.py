@@ -106,8 +106,9 @@ def exact_graphs(
     ReebsliceError
         The rotation or the bodies are none.
     TooManyCrossingsError
-        The surface crosses itself, and the solid's graph would need hundreds of
-        millions of points; :func:`surface_reeb_graph` needs none.
+        The surface crosses itself, or has loops at very many heights, and the
+        solid's graph would need hundreds of millions of points;
+        :func:`surface_reeb_graph` needs none.
 
     Examples
     --------
