@@ -1,7 +1,6 @@
 """Check Reeb graphs against the meshes that they are said to be of: `python check.py [results]`.
 
-It makes surface.graphml and solid.graphml of every model anew from the mesh (vertices, faces, tilt.json) and the names
-of the events (handles), and says yes or no. docs/theorem.md states what a yes proves; its steps are (1) to (6) here.
+It makes both graphs anew from mesh and events, in steps (1) to (6); docs/theorem.md states what a yes proves.
 """
 
 import json
@@ -69,11 +68,13 @@ def spread(first, stop):
 
 
 def rank_surface(vertices, faces, rotation):
-    """(1) Points in order of (height, tilted x, tilted y, row), their rows, and faces in terms of that order."""
+    """(1) Points in order of (height, tilted x and y, maxima before minima, row), their rows, and faces in ranks."""
     tilted = np.stack([a * vertices["x"] + b * vertices["y"] + c * vertices["z"] for a, b, c in rotation], axis=1)
-    row = np.lexsort((tilted[:, 1], tilted[:, 0], tilted[:, 2]))
     faces = np.stack([faces[corner] for corner in "abc"], axis=1)
-    need(np.array_equal(np.unique(faces), np.arange(len(row))), "faces name vertices that are not there, or not all")
+    need(np.array_equal(np.unique(faces), np.arange(len(tilted))), "faces name vertices not there, or not all")
+    place = np.argsort(np.lexsort(tilted[:, [1, 0, 2]].T))[faces]
+    rises, falls = (np.isin(np.arange(len(tilted)), faces[place != end(place, 1)[:, None]]) for end in (np.max, np.min))
+    row = np.lexsort((1 * rises - falls, *tilted[:, [1, 0, 2]].T))
     return tilted[row], row, np.argsort(row)[faces]
 
 
@@ -262,9 +263,8 @@ def check_model(folder):
     rotation, handles = json.loads((folder / "tilt.json").read_text())["rotation"], tables["handles"]
     handles["change"] = np.array([word or "" for word in handles["change"]], object)
     points, row, faces = rank_surface(tables["vertices"], tables["faces"], rotation)
-    low, middle, _ = np.sort(faces, axis=1).T
-    turns, is_low = np.bincount(middle, minlength=len(row)), np.isin(np.arange(len(row)), low)
-    index = np.where(turns == 0, np.where(is_low, 0, 2), np.where(turns > 2, 1, -1))
+    turns = np.bincount(np.sort(faces, axis=1)[:, 1], minlength=len(row))
+    index = np.where(turns > 2, 1, np.where(turns > 0, -1, np.where(np.isin(np.arange(len(row)), faces.min(1)), 0, 2)))
     critical, weight = np.flatnonzero(index >= 0), np.cumsum(np.maximum(turns // 2 - 1, 1))
     # between each two consecutive critical vertices; or as the file has it, if not between copies of one vertex
     cuts = critical[1:] if exact else np.flatnonzero(np.isin(weight, tables["levels"]["vertices_below"])) + 1

@@ -5,7 +5,8 @@
     .venv-benchmarks/bin/python benchmarks/measure_centrelines.py [--vessel SURFACE.stl CENTRELINE.vtp]
 
 The vessel and VMTK's centreline of it: aorta-surface.stl and aorta-centerline.vtp, in the folder `input` of VMTK's
-repository of test data, vmtk-test-data. A program that does not come to an end in `--limit` seconds is stopped.
+repository of test data, vmtk-test-data. VMTK itself (`pip install vmtk`) has wheels for Python 3.12 alone. A program
+that is not installed says so in its row; one that does not come to an end in `--limit` seconds is stopped.
 """
 
 import argparse
@@ -65,16 +66,44 @@ def run_skeletor(way, points, faces):
     return np.array(found.vertices), np.array(found.edges), None if radius is None else np.array(radius, float)
 
 
+def run_vmtk(points, faces, ends):
+    """VMTK's centrelines from the first of the ends, which are its to be told, to the others."""
+    from vmtk import vmtkscripts
+    from vtkmodules.util.numpy_support import numpy_to_vtk, numpy_to_vtkIdTypeArray
+    from vtkmodules.vtkCommonCore import vtkPoints
+    from vtkmodules.vtkCommonDataModel import vtkCellArray, vtkPolyData
+
+    places, cells, program = vtkPoints(), vtkCellArray(), vmtkscripts.vmtkCenterlines()
+    places.SetData(numpy_to_vtk(np.ascontiguousarray(points), deep=True))
+    cells.SetData(3, numpy_to_vtkIdTypeArray(np.ascontiguousarray(faces, dtype=np.int64).ravel(), deep=True))
+    program.Surface = vtkPolyData()
+    program.Surface.SetPoints(places)
+    program.Surface.SetPolys(cells)
+    program.SeedSelectorName = "pointlist"
+    program.SourcePoints, program.TargetPoints = ends[0].tolist(), ends[1:].ravel().tolist()
+    program.AppendEndPoints = 1
+    program.InputInfo = program.PrintLog = lambda *_: None
+    program.Execute()
+    places, steps, radii = read_lines(program.Centerlines)
+    places, first, same = np.unique(places, axis=0, return_index=True, return_inverse=True)
+    steps = same[steps]
+    if (steps[:, 0] == steps[:, 1]).all():
+        raise ValueError("it reaches no end")
+    return places, steps, radii[first]
+
+
 WAYS = ("wavefront", "wavefront, exact", "vertex clusters", "TEASAR", "tangent ball")
-PROGRAMS = {"reebslice": trace} | {f"skeletor, {way}": lambda p, f, way=way: run_skeletor(way, p, f) for way in WAYS}
+PROGRAMS = {"reebslice": lambda tube: trace(tube.points, tube.faces)}
+PROGRAMS |= {f"skeletor, {way}": lambda tube, way=way: run_skeletor(way, tube.points, tube.faces) for way in WAYS}
+PROGRAMS["VMTK, told the ends"] = lambda tube: run_vmtk(tube.points, tube.faces, find_ends(tube))
 
 
-def call(program, points, faces, pipe):
+def call(program, tube, pipe):
     """Run a program twice, as the first run compiles; send what it finds and the seconds of the second run."""
     try:
-        PROGRAMS[program](points, faces)
+        PROGRAMS[program](tube)
         start = time.perf_counter()
-        found = PROGRAMS[program](points, faces)
+        found = PROGRAMS[program](tube)
         pipe.send((found, time.perf_counter() - start))
     except Exception as fault:
         pipe.send((f"{type(fault).__name__}: {fault}".splitlines()[0][:90], None))
@@ -83,7 +112,7 @@ def call(program, points, faces, pipe):
 def run(program, tube, limit):
     """What a program finds, and its seconds; a sentence and None where it fails or takes too long."""
     near, far = multiprocessing.Pipe()
-    child = multiprocessing.Process(target=call, args=(program, tube.points, tube.faces, far))
+    child = multiprocessing.Process(target=call, args=(program, tube, far))
     child.start()
     far.close()
     try:
@@ -144,10 +173,30 @@ def describe(name, tube, program, limit):
     )
 
 
+def find_ends(tube):
+    """Ends of the known centreline; of one without, its first point and those beside the opposite one."""
+    ends, corner = np.unique(tube.segments.reshape(-1, 3), axis=0, return_inverse=True)
+    steps = np.sort(corner.reshape(-1, 2), axis=1)
+    steps = np.unique(steps[steps[:, 0] < steps[:, 1]], axis=0)
+    loose = ends[np.bincount(steps.ravel()) == 1]
+    half = len(tube.segments) // 2
+    return loose if len(loose) else tube.segments[[0, half - half // 50, half + half // 50], 0]
+
+
+def read_lines(data):
+    """Points of a vtkPolyData, steps along its lines, and VMTK's radii."""
+    from vtkmodules.util.numpy_support import vtk_to_numpy
+
+    points = vtk_to_numpy(data.GetPoints().GetData()).astype(float)
+    cells = data.GetLines()
+    lines = np.split(vtk_to_numpy(cells.GetConnectivityArray()), vtk_to_numpy(cells.GetOffsetsArray())[1:-1])
+    steps = np.concatenate([np.column_stack([line[:-1], line[1:]]) for line in lines])
+    return points, steps, vtk_to_numpy(data.GetPointData().GetArray("MaximumInscribedSphereRadius"))
+
+
 def read_vessel(surface, line):
     """A vessel, with VMTK's centreline of it as what is true."""
     import trimesh
-    from vtkmodules.util.numpy_support import vtk_to_numpy
     from vtkmodules.vtkIOXML import vtkXMLPolyDataReader
 
     mesh = trimesh.load_mesh(surface)
@@ -155,14 +204,7 @@ def read_vessel(surface, line):
     reader = vtkXMLPolyDataReader()
     reader.SetFileName(str(line))
     reader.Update()
-    data = reader.GetOutput()
-    points = vtk_to_numpy(data.GetPoints().GetData()).astype(float)
-    radius = vtk_to_numpy(data.GetPointData().GetArray("MaximumInscribedSphereRadius"))
-    ids = [
-        [data.GetCell(k).GetPointId(j) for j in range(data.GetCell(k).GetNumberOfPoints())]
-        for k in range(data.GetNumberOfCells())
-    ]
-    steps = np.concatenate([np.column_stack([line[:-1], line[1:]]) for line in ids])
+    points, steps, radius = read_lines(reader.GetOutput())
     faces = np.array(mesh.faces) if mesh.volume > 0 else np.array(mesh.faces)[:, ::-1]
     return Tube(np.array(mesh.vertices), faces, points[steps], radius[steps], 0)
 
@@ -173,7 +215,9 @@ if __name__ == "__main__":
     parser.add_argument("--limit", type=float, default=120.0)
     parser.add_argument("--only", nargs="*")
     asked = parser.parse_args()
-    models = {"knot": make_knot(), "tree with a loop": make_tree()}
+    tree = make_tree()
+    shaken = np.random.default_rng(0).normal(scale=1e-3, size=tree.points.shape)
+    models = {"knot": make_knot(), "tree with a loop": tree, "tree, shaken": tree._replace(points=tree.points + shaken)}
     if asked.vessel:
         models["vessel"] = read_vessel(*asked.vessel)
     print(HEAD)

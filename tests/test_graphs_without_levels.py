@@ -27,6 +27,7 @@ from pipeline import OPTIONS
 from reebslice import exact_graphs
 from reebslice.schemas import EXACT_GRAPHS
 from test_laws import cases
+from test_touching import voxel_soup
 
 ROOT = Path(__file__).parents[1]
 sys.path.insert(0, str(ROOT))
@@ -74,6 +75,16 @@ def test_a_noisy_mesh_has_exact_graphs_and_a_certificate_from_the_workflow():
 @given(st.one_of(solids.any_solids(), solids.flat_solids()))
 def test_all_solids_have_exact_certificates(solid):
     with built(solid) as folder:
+        certificate = certificate_of(folder)
+        assert (certificate["verdict"], failed(certificate)) == ("exact", []), certificate["reason"]
+
+
+@pytest.mark.parametrize("seed, turned", [(0, False), (4, False), (4, True), (5, False), (13, True), (39, False)])
+def test_cavities_that_touch_open_and_close_in_turn(seed, turned):
+    solid = voxel_soup(seed)[1]
+    with built(
+        solids.transform(solid, solids.rotation(seed)) if turned else solid, "none" if turned else "auto"
+    ) as folder:
         certificate = certificate_of(folder)
         assert (certificate["verdict"], failed(certificate)) == ("exact", []), certificate["reason"]
 

@@ -131,12 +131,15 @@ def test_other_reasons_are_other_looks_the_largest_first_and_what_is_proven_may_
         "hidden_genus": 2,
         "genus": 9,
     }
+    rows[4] |= {"function_verdicts_geodesic": "exact"}
+    rows[5] |= {"function_verdicts_geodesic": "rejected", "function_verdicts_barycentre": None}
     assert [(look.matter, look.reason, look.models) for look in find_looks(rows)] == [
         ("rejected", "hole 0", [0, 1, 2]),
         ("rejected", "a crack", [3]),
         ("skipped", "", [6]),
         ("hidden", "2 of 9 loops lie between two levels.", [4]),
         ("void", "0.3 is open", [4]),
+        ("function", "geodesic: rejected", [5]),
         ("note", "no pockets were looked for: too many", [5]),
     ]
     assert all(len(words) == 2 and all(words) for words in MATTERS.values())

@@ -18,7 +18,7 @@ import pipeline
 import solids
 from corpus.configuration import ConfigError, check_comparison, check_config
 from corpus.layout import chosen_stages
-from corpus.storage import read_table
+from corpus.storage import read_json, read_table, write_json
 from reebslice.descriptors.graph_distances import LEAST, compare_diagrams, compare_graphs, share_functions
 from reebslice.descriptors.neighbours import distance_table, map_models, neighbour_table
 from reebslice.descriptors.surface import describe_surface
@@ -211,7 +211,7 @@ def test_the_stage_is_chosen_by_its_key():
     assert "describe_shape" in chosen_stages(configured(functions=["geodesic"], descriptors={"find": True}))
 
 
-def test_models_are_compared_by_each_way(tmp_path, monkeypatch):
+def test_models_are_compared_by_each_way(tmp_path, monkeypatch, capsys):
     for name in ("torus", "knot", "plate"):
         made = tmp_path / name
         made.mkdir()
@@ -227,12 +227,21 @@ def test_models_are_compared_by_each_way(tmp_path, monkeypatch):
         return {model: read_table(tmp_path / model / f"{name}.parquet", name) for model in ("knot", "plate", "torus")}
 
     monkeypatch.setattr(compare_shapes, "read_tables", read_tables)
+    monkeypatch.setattr(compare_shapes, "MODELS_FOLDER", tmp_path)
     for by in compare_shapes.WAYS:
         distances, neighbours = compare_shapes.main([], by, False, 1)
         assert distances["model"].to_pylist() == ["knot", "plate", "torus"]
         matrix = np.vstack(distances["distances"].to_pylist())
         assert (matrix == matrix.T).all() and (matrix[~np.eye(3, dtype=bool)] > 0).all()
         assert len(neighbours) == 3
+    told = read_json(tmp_path / "plate" / "functions.json")
+    told["functions"]["barycentre"]["verdict"] = "uncertified"
+    write_json(tmp_path / "plate" / "functions.json", told)
+    for by in ("diagrams", "graphs"):  # what is not certified is not compared
+        assert compare_shapes.main([], by, False, 1)[0]["model"].to_pylist() == ["knot", "torus"]
+        assert (
+            "plate is left out of the comparison, as it has no certified graph of barycentre" in capsys.readouterr().out
+        )
     monkeypatch.setattr(compare_shapes, "read_tables", lambda *_, **__: {})  # every model was rejected
     for by in compare_shapes.WAYS:
         assert [len(table) for table in compare_shapes.main([], by, by == "descriptors", 3)] == [0, 0]
@@ -249,6 +258,7 @@ def test_the_report_shows_a_map_of_models_and_who_is_like_whom(tmp_path):
     rows = make_rows(8)
     accepted = [row["model"] for row in rows if row["status"] == "ok"]
     places = np.array([[k, k * k] for k in range(len(accepted))], float)
+    places[1] = places[0]  # a copy
     distances = np.linalg.norm(places[:, None] - places, axis=2)
     likeness = distance_table(accepted, distances), neighbour_table(accepted, distances, 2)
     page = tmp_path / "report.html"
@@ -258,6 +268,7 @@ def test_the_report_shows_a_map_of_models_and_who_is_like_whom(tmp_path):
     spots = re.findall(r'<span class="spot[^>]*aria-label="([^"]*)"[^>]*style="left: ([0-9.]+)%; top: ([0-9.]+)%', dom)
     assert [name for name, *_ in spots] == accepted
     assert all(0 <= float(share) <= 100 for _, *both in spots for share in both)
+    assert spots[0][1:] == spots[1][1:] and re.findall(r"translate: (\w+)", dom)[:3] == ["0px", "7px", "0px"]
     alike = re.search(r'<div id="alike".*?</ol>', dom)[0].replace("<wbr>", "")
     assert re.findall(r"part_\d{4}(?=</)", alike)[:3] == accepted[:3]
     none = distance_table([], np.zeros((0, 0))), neighbour_table([], np.zeros((0, 0)), 2)

@@ -1,6 +1,7 @@
 """Bodies, voids and sheets that touch, coincide or overlap: an exact graph of what is stated, or no clean verdict."""
 
 import tempfile
+from collections import Counter
 
 import manifold3d
 import numpy as np
@@ -10,6 +11,7 @@ from scipy import ndimage
 from certify import main as certify
 from corpus.storage import read_json
 from pipeline import OPTIONS, missing_stages, run_stages
+from reebslice import exact_graphs, height_mesh, value_mesh
 from reebslice.errors import TouchingSheetsError, UnionError
 from reebslice.mesh import closing, copies, half_edges, touching, unions
 from reebslice.mesh.inspection import inspect_surface
@@ -249,15 +251,50 @@ def test_graphs_of_voxels_are_certified(seed):
     assert certificate["betti_solid"] == [shells - voids, shells - euler // 2, voids]
 
 
-def test_a_mesh_edge_with_both_ends_in_common_is_divided():
+def test_mesh_edges_with_both_ends_in_common_are_divided():
     # Two bars cross at an angle, one layer between them of two cubes that meet in an edge.
     filled = np.ones((2, 2, 3), bool)
     filled[0, 0, 1] = filled[1, 1, 1] = False
     corners = np.array(list(voxel_faces(filled)), float).reshape(-1, 3)
     solid = Solid(corners, np.arange(len(corners)).reshape(-1, 3))
     found, certificate = run(solid, [0, 0, 1])
-    assert found["n_vertices"] == len(np.unique(corners, axis=0)) + 1 and found["pinch_vertices_split"] == 0
+    assert found["n_vertices"] == len(np.unique(corners, axis=0)) + 2 and found["pinch_vertices_split"] == 0
     assert certificate["verdict"] == "exact" and certificate["betti_solid"] == [1, 1, 0]
+    for seed in range(20):  # a middle of only one of the two would lie beside the other, by rounding
+        assert inspected(transform(solid, rotation(seed)))["self_crossings"] == 0
+
+
+def cleaned(solid):
+    """Points and faces of what inspection makes of a solid."""
+    tables = inspect_surface(solid.points, solid.faces, {})[0]
+    places = (("vertices", "xyz"), ("faces", "abc"))
+    return [np.column_stack([tables[name][column] for column in columns]) for name, columns in places]
+
+
+def pull_apart(points, faces, share):
+    """Each vertex a share of the way to the mean of its neighbours, so that sheets that touch in it part."""
+    sums = np.zeros_like(points)
+    for turn in (1, 2):
+        np.add.at(sums, faces, points[np.roll(faces, turn, axis=1)])
+    return points + share * (sums / (2 * np.bincount(faces.ravel())[:, None]) - points)
+
+
+def test_graphs_of_sheets_that_touch_are_those_of_sheets_pulled_apart():
+    for seed in range(100):
+        points, faces = cleaned(voxel_soup(seed)[1])
+        apart = pull_apart(points, faces, 1e-5)
+        for turn in (rotation(1000 * seed), rotation(1000 * seed + 1)):  # no two positions at one height
+            graphs = zip(exact_graphs(points, faces, turn), exact_graphs(apart, faces, turn))
+            for graph, expected in graphs:
+                arcs = [Counter(map(tuple, g.vertex[g.arcs].tolist())) for g in (graph, expected)]
+                assert arcs[0] == arcs[1], seed
+
+
+def test_values_at_one_position_are_in_the_order_of_heights():
+    for seed in range(20):
+        points, faces = cleaned(voxel_soup(seed)[1])
+        mesh, lifted = height_mesh(points, faces), value_mesh(points[:, 2], points, faces)
+        assert np.array_equal(mesh.vertex, lifted.vertex) and np.array_equal(mesh.faces, lifted.faces)
 
 
 # --------------------------------------------------------------------------

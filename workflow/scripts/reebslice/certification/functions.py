@@ -13,7 +13,7 @@ from scipy.sparse.csgraph import connected_components
 from .ledger import Ledger
 from .recount.elders import elder_pairs
 from .recount.graph_pairs import graph_pairs
-from .recount.surface import copies, find_mesh_edges, sort_corners
+from .recount.surface import copies, find_mesh_edges, part_copies, sort_corners
 from .recount.sweep import sweep_surface
 
 DEGREES = {0: ((0, 1),), 1: ((1, 2), (2, 1)), 2: ((1, 0),)}  # arcs below and above, by index
@@ -38,6 +38,7 @@ def certify_function(points, faces, values, nodes, arcs):
     """
     ledger = Ledger()
     order = np.lexsort((points[:, 1], points[:, 0], points[:, 2], values))
+    order = part_copies(order, (values, *points.T), faces.T)
     rank = np.empty(len(points), np.int32)
     rank[order] = np.arange(len(points), dtype=np.int32)
     surface = sort_corners(points[order], order, rank, faces.T, np.zeros(len(faces), np.int32))

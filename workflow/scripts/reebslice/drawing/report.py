@@ -7,7 +7,7 @@ from urllib.parse import quote
 
 from .report_charts import draw_chart
 from .report_figures import list_figures
-from .report_looks import find_looks
+from .report_looks import FUNCTION, find_looks
 from .report_words import count_models, plain_kind, write_looks, write_verdicts, write_versions
 from .templates import read_template, write_page
 from .verdicts import KINDS, SYMBOLS, shorten_numbers, tell_kind
@@ -81,7 +81,8 @@ def make_report(table, files, thumbnails, run, likeness=None):
     """
     looks_at = ("model", "path", "status", "verdict", "reason", "solid_interpretation", "self_crossings")
     looks_at += ("body_crossings", "hidden_genus", "genus", "void_verdict", "void_reason")
-    rows = table.select([name for name in looks_at if name in table.column_names]).to_pylist()
+    told = [name for name in table.column_names if name in looks_at or name.startswith(FUNCTION)]
+    rows = table.select(told).to_pylist()
     kinds, figures, looks = (
         [tell_kind(row["status"], row["verdict"]) for row in rows],
         list_figures(table),

@@ -37,8 +37,14 @@ MATTERS = {
         "Volumes and throats of basins, bells and sealed voids of these are not certified. The graphs of surface and "
         "solid are as their verdicts say.",
     ),
+    "function": (
+        "Functions without a proven graph",
+        "functions.json says why. Graphs of the height are as their verdicts say; descriptors and comparisons go "
+        "without these.",
+    ),
     "note": ("With a note", "The graphs are as their verdicts say; what was left out beside them, and why:"),
 }
+FUNCTION = "function_verdicts_"  # columns of the table of models, before the name of the function
 NUMBER, QUOTED = re.compile(r"[-+]?\d[\d.,]*(e[-+]?\d+)?"), re.compile(r"'[^']*'")
 
 
@@ -70,7 +76,8 @@ def find_looks(rows):
     ----------
     rows : list of dict
         Of the table of models: model, path, status, verdict, reason, and of `solid_interpretation`,
-        `self_crossings`, `body_crossings`, `hidden_genus`, `void_verdict` and `void_reason` those that it has.
+        `self_crossings`, `body_crossings`, `hidden_genus`, `void_verdict`, `void_reason` and
+        `function_verdicts_NAME` those that it has.
 
     Returns
     -------
@@ -102,6 +109,10 @@ def _list_matters(row):
         found.append(("hidden", f"{row['hidden_genus']} of {row.get('genus')} loops lie between two levels."))
     if row.get("void_verdict") == "uncertified":
         found.append(("void", shorten_numbers(row.get("void_reason") or "")))
+    verdicts = {name.removeprefix(FUNCTION): verdict for name, verdict in row.items() if name.startswith(FUNCTION)}
+    unsure = [f"{name}: {verdict}" for name, verdict in verdicts.items() if verdict not in (None, "exact")]
+    if unsure:
+        found.append(("function", ", ".join(unsure)))
     return found
 
 

@@ -1,6 +1,7 @@
 // The map of the report: a thumbnail for each model, those that are alike near each other, and beside it who is like whom.
 
 const LARGE = 60; // models, up to which thumbnails are large
+const [CARD, MOST] = [7, 8]; // pixels from card to card of models at one place, and cards until it begins anew
 const PICTURED = 600; // models, up to which they have thumbnails; of more there are dots
 
 /** Place the models, so that the map fills its frame, and have each tell who is like it. */
@@ -8,14 +9,19 @@ function fillMap({ rows, x, y, near }) {
   const frame = find("#spots");
   frame.classList.add(rows.length > LARGE ? "small" : "large");
   const share = (values, value) => (value - Math.min(...values)) / (Math.max(...values) - Math.min(...values) || 1);
+  const stacks = new Map(); // models at one place lie like cards, so that each can be pointed at
   rows.forEach((row, place) => {
     const link = address(row, DATA.linked.findIndex((_, file) => address(row, file)));
     const spot = element(link ? "a" : "span", "", frame, "spot");
     if (link) spot.href = link;
     else spot.tabIndex = 0;
     spot.ariaLabel = DATA.models[row];
-    spot.style.left = `${100 * share(x, x[place])}%`;
-    spot.style.top = `${100 * (1 - share(y, y[place]))}%`;
+    const [left, top] = [100 * share(x, x[place]), 100 * (1 - share(y, y[place]))];
+    const under = stacks.get(`${left.toFixed(1)} ${top.toFixed(1)}`) ?? 0;
+    stacks.set(`${left.toFixed(1)} ${top.toFixed(1)}`, under + 1);
+    spot.style.left = `${left}%`;
+    spot.style.top = `${top}%`;
+    spot.style.translate = `${CARD * (under % MOST)}px ${CARD * (under % MOST)}px`;
     spot.title = DATA.models[row];
     if (rows.length <= PICTURED && DATA.thumbnails[row]) addThumbnail(row, spot);
     else spot.classList.add("dot");

@@ -28,6 +28,55 @@ def height_order(points):
     return order.astype(np.int32)
 
 
+def order_copies(order, keys, faces):
+    """Put vertices that tie in all keys in order: maxima first, minima last, else by id.
+
+    Where sheets meet in a point that is the top of one and the bottom of the
+    other, the one ends before the other begins, as if they were pulled apart.
+
+    Parameters
+    ----------
+    order : (n,) int32
+        Vertices in ascending order of their keys; those that tie, of id.
+    keys : (n, k) float64
+        Of every vertex, without -0.0 and NaN.
+    faces : (m, 3) int
+        No corners of one face tie.
+
+    Returns
+    -------
+    (n,) int32
+    """
+    tie = _find_ties(order, np.ascontiguousarray(keys))
+    if len(tie) == 0:
+        return order
+    rank = np.empty(len(order), np.int32)
+    rank[order] = np.arange(len(order), dtype=np.int32)
+    ranks = rank[faces]
+    rises, falls = (np.zeros(len(order), bool) for _ in range(2))  # whether a mesh edge goes up, or down, from each
+    rises[faces[ranks < ranks.max(axis=1, keepdims=True)]] = True
+    falls[faces[ranks > ranks.min(axis=1, keepdims=True)]] = True
+    places = np.union1d(tie, tie + 1)
+    chosen, group = order[places], np.isin(places, tie + 1, invert=True).cumsum()
+    out = order.copy()
+    out[places] = chosen[np.lexsort((rises[chosen].astype(int) - falls[chosen], group))]
+    return out
+
+
+@njit
+def _find_ties(order, keys):
+    """The places in `order` of the vertices that tie in all keys with the one after them."""
+    ties, count = np.empty(len(order), np.int64), 0
+    for place in range(len(order) - 1):
+        v, w, k = order[place], order[place + 1], keys.shape[1] - 1
+        while k >= 0 and keys[v, k] == keys[w, k]:
+            k -= 1
+        if k < 0:
+            ties[count] = place
+            count += 1
+    return ties[:count].copy()
+
+
 @njit
 def _order_few(order, points):
     """Put vertices in order where few tie in height, by insertion; returns the places in `order` where many do."""

@@ -188,7 +188,10 @@ def _has_single_fans(tails, opposite, n):
 
 
 def split_double_edges(points, faces, opposite):
-    """Put a new vertex in the middle of mesh edges that join the same two vertices as another one.
+    """Put a new vertex in the middle of every mesh edge that joins the same two vertices as another one.
+
+    Of all of them, as the middle is rounded: sheets that touch along the edge
+    would cross where one bends there and the other does not.
 
     Parameters
     ----------
@@ -210,7 +213,7 @@ def split_double_edges(points, faces, opposite):
     for edge in np.flatnonzero(np.diff(starts) > 2).tolist():
         here = np.sort(order[starts[edge] : starts[edge + 1]])
         firsts = here[here < opposite[here]]
-        for half_edge in firsts[1:].tolist():
+        for half_edge in firsts.tolist():
             middle[[half_edge, opposite[half_edge]]] = len(points) + len(new)
             new.append(points[faces[half_edge // 3, [half_edge % 3, half_edge % 3 - 2]]].mean(axis=0))
     if not new:

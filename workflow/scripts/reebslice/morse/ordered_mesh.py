@@ -2,9 +2,10 @@
 
 Everything combinatorial is decided here, once, on ranks: a vertex is above
 another iff its rank is larger. Ties of height are broken by the two other
-coordinates of the tilted frame and then by the vertex id, which is an
-infinitesimal tilt (simulation of simplicity, SoS). A flat face is monotone in
-that order, so it makes no critical points of its own.
+coordinates of the tilted frame, which is an infinitesimal tilt (simulation of
+simplicity, SoS). A flat face is monotone in that order, so it makes no critical
+points of its own. Of vertices at one position, where sheets touch, maxima come
+first and minima last, as if the sheets were pulled apart; the rest by id.
 
 A level is given by ranks as well, by its `cut`: the ranks from `cut` on are
 above it. A half-edge is *upward* if it runs from a lower to a higher rank; each
@@ -23,7 +24,7 @@ import numpy as np
 from ..errors import ReebsliceError
 from ..kernels import njit
 from ..mesh.half_edges import find_twins
-from ..mesh.orders import canonical_faces, height_order
+from ..mesh.orders import canonical_faces, height_order, order_copies
 
 
 class HeightMesh(NamedTuple):
@@ -32,7 +33,7 @@ class HeightMesh(NamedTuple):
     Attributes
     ----------
     points : (n, 3) float64
-        Tilted frame, in ascending order of (z, x, y, id).
+        Tilted frame, in ascending order of (z, x, y); see above for those at one position.
     faces : (m, 3) int32
         Ranks, counter-clockwise seen from outside, the lowest of each face
         first; in lexicographic order, which does not depend on the input's.
@@ -114,7 +115,7 @@ def order_by_height(points, faces, rotation):
         Where a mesh edge has no twin.
     """
     tilted = tilt_points(points, rotation)
-    vertex = height_order(tilted)
+    vertex = order_copies(height_order(tilted), tilted, faces)
     rank = np.empty(len(vertex), np.int32)
     rank[vertex] = np.arange(len(vertex), dtype=np.int32)
     faces = canonical_faces(faces, rank)

@@ -9,7 +9,7 @@ from ..errors import ReebsliceError
 from ..mesh.arguments import check_fans, explain_open, take_mesh
 from ..mesh.faults import find_used
 from ..mesh.half_edges import find_twins
-from ..mesh.orders import canonical_faces, height_order
+from ..mesh.orders import canonical_faces, height_order, order_copies
 from .ordered_mesh import HeightMesh, tilt_points
 from .unfolding import unfold_saddles
 
@@ -21,7 +21,8 @@ class ValueMesh(NamedTuple):
     ----------
     points : (n, 3) float64
         First and second coordinate of the model frame and, where a :class:`HeightMesh` has the height, the value;
-        in ascending order of (value, z, x, y, id). Where the vertices are in space, `vertex` tells.
+        in ascending order of (value, z, x, y), those that tie in all as in a `HeightMesh`. Where the vertices are in
+        space, `vertex` tells.
     faces, twins, vertex
         As of a `HeightMesh`.
     """
@@ -46,9 +47,9 @@ def value_mesh(values: ArrayLike, points: Any, faces: ArrayLike | None = None) -
     -------
     ValueMesh
         What :func:`.reeb_graph.surface_reeb_graph` takes. Equal values are told apart as vertices are by height: by
-        z, then x, then y, then the id (simulation of simplicity), so a flat is monotone in this order, and the z of
-        the points as values make the same order as the height. Nothing but the order counts, except where a multiple
-        saddle may come apart in several ways.
+        z, then x, then y (simulation of simplicity), then maxima before and minima after the rest, then the id. So a
+        flat is monotone in this order, and the z of the points as values make the same order as the height. Nothing
+        but the order counts, except where a multiple saddle may come apart in several ways.
 
     Raises
     ------
@@ -74,6 +75,7 @@ def value_mesh(values: ArrayLike, points: Any, faces: ArrayLike | None = None) -
     placed = tilt_points(points, np.eye(3))
     vertex = height_order(placed)
     vertex = vertex[np.argsort(numbers[vertex], kind="stable")]
+    vertex = order_copies(vertex, np.column_stack([placed, numbers]), faces)
     rank = np.empty(len(vertex), np.int32)
     rank[vertex] = np.arange(len(vertex), dtype=np.int32)
     faces_of_ranks = canonical_faces(faces, rank)

@@ -1,7 +1,8 @@
 """The surface in order of height: ranks, mesh edges, links, all found anew from points and faces.
 
 A vertex id in the recount is a rank: its place in the order of (height,
-tilted x, tilted y, surface vertex).
+tilted x, tilted y), of vertices at one position the maxima first, the minima
+last, and the rest by surface vertex.
 """
 
 from typing import NamedTuple
@@ -70,11 +71,37 @@ def rank_surface(points, rotation, faces, shell):
     turned = [a * x + b * y + c * z for a, b, c in np.asarray(rotation, float)]  # summed in the order x, y, z
     origin = np.argsort(turned[2]).astype(np.int32)
     if (np.diff(turned[2][origin]) == 0).any():
-        origin = np.lexsort((turned[1], turned[0], turned[2])).astype(np.int32)
+        origin = part_copies(np.lexsort((turned[1], turned[0], turned[2])), turned, faces).astype(np.int32)
     rank = np.empty(len(origin), np.int32)
     rank[origin] = np.arange(len(origin), dtype=np.int32)
     points = np.stack([column[origin] for column in turned], axis=1)
     return sort_corners(points, origin, rank, faces, shell), rank
+
+
+def part_copies(order, keys, faces):
+    """Put vertices that tie in order of what they are: maxima, then what is neither, then minima.
+
+    Parameters
+    ----------
+    order : (n,) int
+        Vertices in ascending order of `keys`, those that tie in that of id.
+    keys : sequence of (n,) arrays
+    faces : columns a, b, c (m,) of vertices
+
+    Returns
+    -------
+    (n,) int
+    """
+    new = np.any([np.diff(key[order]) != 0 for key in keys], axis=0)
+    if new.all():
+        return order
+    place = np.empty(len(order), np.int64)
+    place[order] = np.concatenate([[0], np.cumsum(new)])  # one for all that tie
+    a, b, c = faces
+    tails, heads = np.concatenate([a, b, c]), np.concatenate([b, c, a])
+    up = np.bincount(tails[place[tails] < place[heads]], minlength=len(order)) > 0
+    down = np.bincount(tails[place[tails] > place[heads]], minlength=len(order)) > 0
+    return np.lexsort((np.arange(len(order)), np.where(up, np.where(down, 1, 2), 0), place))
 
 
 def sort_corners(points, origin, rank, faces, shell):
