@@ -4,7 +4,7 @@
     PYTHONPATH=workflow/scripts python benchmarks/noisy_volumes.py --graphs [NAME ...]
 
 Writes `SOLIDS` as PLY; the same name and seed give the same bytes. Or measures the exact graphs of these and of
-`SHEETS`: processor seconds of the surface's graph, of the solid's by rays and of the solid's by slices, in turn,
+`SHEETS`: processor seconds of the surface's graph, of the solid's by merge trees and of the solid's by slices, in turn,
 medians of three on compiled kernels (of what slices refuse, the seconds until then); and the most memory that the
 first two and the mesh in order of height take.
 """
@@ -35,7 +35,7 @@ def main(folder):
 
 def measure_graphs(names):
     """Print a row for each solid, measured in a process of its own."""
-    print("| solid | faces | critical points | surface, s | solid by rays, s | by slices, s | bytes a face |")
+    print("| solid | faces | critical points | surface, s | solid by trees, s | by slices, s | bytes a face |")
     print("| --- |" + " ---: |" * 6)
     for name in names or [*SOLIDS, *SHEETS]:
         child = multiprocessing.Process(target=_measure, args=(name,))
@@ -46,7 +46,7 @@ def measure_graphs(names):
 def _measure(name):
     """Print the row of one solid."""
     from reebslice.errors import TooManyCrossingsError
-    from reebslice.graphs.exact import rayed_solid_graph, sliced_solid_graph
+    from reebslice.graphs.exact import merged_solid_graph, sliced_solid_graph
     from reebslice.morse.height_mesh import height_mesh
     from reebslice.morse.reeb_graph import surface_reeb_graph
 
@@ -64,7 +64,7 @@ def _measure(name):
         while len(seconds[2]) < 3 and sum(seconds[2]) < SLOW:
             graph, taken = timed(surface_reeb_graph, mesh)
             seconds[0].append(taken)
-            (nodes, arcs), taken = timed(rayed_solid_graph, mesh, graph, body)
+            (nodes, arcs), taken = timed(merged_solid_graph, mesh, graph, body)
             seconds[1].append(taken)
             grown = grown or _peak() - before
             found, taken = timed(sliced_solid_graph, mesh, graph, body)
@@ -229,7 +229,7 @@ SOLIDS = {
     "plate_porous": (noisy_plate, {"size": 80, "white": 1.6, "waves": 1.0, "seed": 5}),
 }
 
-SHEETS = {f"sheet_{2 * size**2:,}": (white_sheet, {"size": size, "seed": 0}) for size in (100, 200, 350)}
+SHEETS = {f"sheet_{2 * size**2:,}": (white_sheet, {"size": size, "seed": 0}) for size in (100, 200, 350, 500)}
 
 if __name__ == "__main__":
     measure_graphs(sys.argv[2:]) if sys.argv[1] == "--graphs" else main(sys.argv[1])

@@ -15,7 +15,7 @@ from ..morse.reeb_graph import critical_persistence, surface_reeb_graph
 from ..slicing.crowding import block_chains
 from ..slicing.refinement import exact_slices
 from .flat_pairs import cancel_pairs, find_flat_pairs
-from .solid_by_rays import solid_graph_by_rays
+from .solid_by_trees import solid_graph_by_trees
 
 FEW_CROSSINGS = 100_000  # points of contours that are traced in some hundredths of a second
 
@@ -71,10 +71,11 @@ def exact_graphs(
     sampled, and what is decided by coordinates is decided in rational numbers
     where rounding leaves it open. The solid's graph takes the
     contours of the fewest levels that leave no events together, where these are
-    few; else it is made of arcs of the surface's, with one ray for each event
-    of a hole (:mod:`.graphs.solid_by_rays`), so noise that makes critical
-    points by the ten thousand costs little. Where the surface crosses itself
-    and rays find out, contours have to do; time and memory then grow as these.
+    few; else it is made from merge trees of the surface, which a plumb line at
+    each extremum of a void ties together (:mod:`.graphs.solid_by_trees`), so
+    noise that makes critical points by the hundred thousand costs little. Where
+    the surface crosses itself and plumb lines find out, contours have to do;
+    time and memory then grow as these.
 
     Parameters
     ----------
@@ -105,8 +106,9 @@ def exact_graphs(
     ReebsliceError
         The rotation or the bodies are none.
     TooManyCrossingsError
-        The surface crosses itself, and the solid's graph would need hundreds of
-        millions of points; :func:`surface_reeb_graph` needs none.
+        The surface crosses itself, or has loops at very many heights, and the
+        solid's graph would need hundreds of millions of points;
+        :func:`surface_reeb_graph` needs none.
 
     Examples
     --------
@@ -132,23 +134,23 @@ def solid_reeb_graph(mesh, graph, body_of_vertex):
     Parameters
     ----------
     mesh, graph, body_of_vertex
-        As for :func:`rayed_solid_graph`.
+        As for :func:`merged_solid_graph`.
 
     Returns
     -------
     nodes, arcs
-        As of :func:`rayed_solid_graph`.
+        As of :func:`merged_solid_graph`.
     """
-    most = max(FEW_CROSSINGS, len(mesh.faces) // 4)  # rays visit every face
+    most = max(FEW_CROSSINGS, len(mesh.faces) // 4)  # merge trees take a visit to every face
     # each arc is crossed, by a contour of three points at least; and of flat pairs slices keep some
     if 3 * len(graph.arcs) <= most and not len(find_flat_pairs(mesh.points[graph.nodes, 2], graph)):
         with suppress(TooManyCrossingsError):
             return sliced_solid_graph(mesh, graph, body_of_vertex, most)
-    return rayed_solid_graph(mesh, graph, body_of_vertex)
+    return merged_solid_graph(mesh, graph, body_of_vertex)
 
 
-def rayed_solid_graph(mesh, graph, body_of_vertex):
-    """Build the Reeb graph of the solid from that of its surface by rays, or where these find none, by slices.
+def merged_solid_graph(mesh, graph, body_of_vertex):
+    """Build the Reeb graph of the solid from that of its surface by merge trees or, where these fit none, by slices.
 
     Parameters
     ----------
@@ -165,7 +167,7 @@ def rayed_solid_graph(mesh, graph, body_of_vertex):
     arcs : (A, 2) int32
         Places in `nodes`, in lexicographic order.
     """
-    arcs = solid_graph_by_rays(mesh, graph, body_of_vertex)
+    arcs = solid_graph_by_trees(mesh, graph, body_of_vertex)
     if arcs is None:
         return sliced_solid_graph(mesh, graph, body_of_vertex)
     pairs = find_flat_pairs(mesh.points[graph.nodes, 2], graph)
@@ -177,19 +179,19 @@ def rayed_solid_graph(mesh, graph, body_of_vertex):
 
 
 def sliced_solid_graph(mesh, graph, body_of_vertex, most=None):
-    """Do as :func:`rayed_solid_graph` by slices, for surfaces that cross themselves as well.
+    """Do as :func:`merged_solid_graph` by slices, for surfaces that cross themselves as well.
 
     Parameters
     ----------
     mesh, graph, body_of_vertex
-        As for :func:`rayed_solid_graph`.
+        As for :func:`merged_solid_graph`.
     most : int, optional
         Points that contours may have in all; by default as many as fit into memory.
 
     Returns
     -------
     nodes, arcs
-        As of :func:`rayed_solid_graph`; but a pair of equal height stays where a level parts it for the sake of others.
+        As of :func:`merged_solid_graph`; but a pair of equal height stays where a level parts it for others' sake.
 
     Raises
     ------

@@ -93,7 +93,7 @@ def find_gates(faces, twins, n):
     return Gates(rises, into, out)
 
 
-def merge_components(faces, gates, nodes, cuts, upward):
+def merge_components(faces, gates, nodes, cuts, upward, ties=None):
     """Build the merge tree of the sublevel sets or, downward, of the superlevel sets.
 
     Parameters
@@ -108,6 +108,9 @@ def merge_components(faces, gates, nodes, cuts, upward):
         J contours along which the surface is cut.
     upward : bool
         Which way the sweep goes.
+    ties : (T,) int and (T,) int, optional
+        Extrema at which the sweep begins components, and what else each hangs together with: a vertex that the
+        sweep comes to before, or the code of a cut's node.
 
     Returns
     -------
@@ -116,6 +119,8 @@ def merge_components(faces, gates, nodes, cuts, upward):
     """
     near = _neighbours(faces, gates, upward)
     behind_cuts = divert(near, faces, gates, cuts, upward) if len(cuts.vertex) else cuts.top
+    if ties is not None:
+        near[ties[0], 0] = ties[1]
     return _merge(_step_back(near, nodes, number_nodes(nodes, cuts), cuts.top, behind_cuts, upward), upward)
 
 

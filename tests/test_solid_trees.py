@@ -1,4 +1,4 @@
-"""The solid's graph by rays, held against the one by slices, which shares nothing with it but the surface's graph."""
+"""The solid's graph by merge trees, held against the one by slices, which shares nothing with it but the surface's."""
 
 import importlib
 import sys
@@ -13,14 +13,15 @@ from hypothesis import strategies as st
 
 import solids
 from reebslice import exact_graphs, height_mesh, inspect_surface, read_mesh, surface_reeb_graph
-from reebslice.graphs import exact, outer_arcs, ray_hosts
-from reebslice.graphs.exact import rayed_solid_graph, sliced_solid_graph
-from reebslice.graphs.exact_rays import exact_host
-from reebslice.graphs.face_grid import build_grid, find_candidates
+from reebslice.graphs import exact, solid_by_trees, solid_levels
+from reebslice.graphs.exact import merged_solid_graph, sliced_solid_graph
+from reebslice.graphs.exact_lines import exact_end
 from reebslice.graphs.flat_pairs import cancel_pairs, find_flat_pairs
-from reebslice.graphs.solid_by_rays import solid_graph_by_rays
+from reebslice.graphs.plumb_lines import meet_faces
+from reebslice.graphs.solid_by_trees import solid_graph_by_trees
 from reebslice.graphs.voids import void_mesh, void_reeb_graph
 from reebslice.handles.sides import link_areas
+from reebslice.mesh.exact_signs import scale_points
 from reebslice.slicing import graph_slices
 from test_laws import cases
 
@@ -40,8 +41,8 @@ def one_body(mesh):
 def compare(mesh, body=None):
     """Assert that both ways give one graph; slices may keep pairs in flats that others had them part."""
     graph, body = surface_reeb_graph(mesh), one_body(mesh) if body is None else body
-    assert solid_graph_by_rays(mesh, graph, body) is not None
-    found, (nodes, arcs) = rayed_solid_graph(mesh, graph, body), sliced_solid_graph(mesh, graph, body)
+    assert solid_graph_by_trees(mesh, graph, body) is not None
+    found, (nodes, arcs) = merged_solid_graph(mesh, graph, body), sliced_solid_graph(mesh, graph, body)
     pairs = find_flat_pairs(mesh.points[graph.nodes, 2], graph)
     kept = pairs[np.isin(graph.nodes[pairs], nodes).all(axis=1)]
     expected = cancel_pairs(np.searchsorted(graph.nodes, nodes)[arcs], len(graph.nodes), kept)
@@ -52,7 +53,7 @@ def compare(mesh, body=None):
 
 @cases(60)
 @given(solids.any_solids(), st.integers(0, 5))
-def test_rays_and_slices_give_one_graph(solid, seed):
+def test_trees_and_slices_give_one_graph(solid, seed):
     compare(turned(solid, seed))
 
 
@@ -69,7 +70,7 @@ def test_the_void_has_the_graph_of_slices(solid, seed):
 
 
 @pytest.mark.parametrize("seed", [None, 1, 2])
-def test_a_ray_counts_the_faces_of_its_own_body(seed):
+def test_a_line_meets_the_faces_of_its_own_body(seed):
     """A hollow ball of one body overlaps one of another, and a third lies in its void."""
     balls = [solids.hollow_ball(), solids.move(solids.hollow_ball(), [0.7, 0.2, 0.1]), solids.icosphere(1, radius=0.2)]
     solid, body = solids.unite(*balls), np.repeat([0, 1, 2], [len(ball.points) for ball in balls]).astype(np.int32)
@@ -100,17 +101,23 @@ def test_a_real_mesh_has_the_graph_of_slices(name):
 
 @pytest.mark.parametrize("seed", [None, 3])
 def test_what_floats_leave_open_rational_numbers_decide(monkeypatch, seed):
-    """With a bound of rounding so large that hardly a ray and no area is certain, all graphs stay as they are."""
+    """With bounds of rounding so large that no line and hardly a ray in a level is certain, all graphs stay."""
     shapes = [solids.csg(5, 6), solids.nested_shells(3), solids.Solid(*noisy_volumes.noisy_plate(12, 1.2, 1.0, 4))]
     meshes = [turned(solid, seed) for solid in shapes]
-    expected = [rayed_solid_graph(mesh, surface_reeb_graph(mesh), one_body(mesh)) for mesh in meshes]
-    monkeypatch.setattr(ray_hosts, "ROUNDING", 0.05)
-    monkeypatch.setattr(outer_arcs, "ROUNDING", 1e3)
+    expected = [merged_solid_graph(mesh, surface_reeb_graph(mesh), one_body(mesh)) for mesh in meshes]
+
+    def meet_doubtfully(*arguments):
+        hits = meet_faces(*arguments)
+        return hits._replace(face=hits.face * 0, near=hits.near * 0, far=hits.far * np.inf, doubtful=hits.far > 0)
+
     exact = []
-    monkeypatch.setattr("reebslice.graphs.solid_by_rays.exact_host", lambda *a: exact.append(a) or exact_host(*a))
+    monkeypatch.setattr(solid_by_trees, "meet_faces", meet_doubtfully)
+    monkeypatch.setattr(solid_levels, "ROUNDING", 0.05)
+    monkeypatch.setattr(solid_levels, "exact_end", lambda *a: exact.append(a) or exact_end(*a))
     for mesh, (nodes, arcs) in zip(meshes, expected):
         graph = surface_reeb_graph(mesh)
-        found = rayed_solid_graph(mesh, graph, one_body(mesh))
+        assert solid_graph_by_trees(mesh, graph, one_body(mesh)) is not None
+        found = merged_solid_graph(mesh, graph, one_body(mesh))
         assert (found[0] == nodes).all() and (found[1] == arcs).all()
     assert len(exact) > 20
 
@@ -120,8 +127,8 @@ def test_a_surface_that_crosses_itself_is_sliced():
     crossed = solids.unite(ball, solids.move(ball, [0.55, 0.2, 0.1]))  # the voids overlap, and so do the balls
     mesh = turned(crossed, 1)
     graph = surface_reeb_graph(mesh)
-    assert solid_graph_by_rays(mesh, graph, one_body(mesh)) is None
-    found, expected = (make(mesh, graph, one_body(mesh)) for make in (rayed_solid_graph, sliced_solid_graph))
+    assert solid_graph_by_trees(mesh, graph, one_body(mesh)) is None
+    found, expected = (make(mesh, graph, one_body(mesh)) for make in (merged_solid_graph, sliced_solid_graph))
     assert all((a == b).all() for a, b in zip(found, expected))
 
 
@@ -135,14 +142,14 @@ def count_links(mesh):
 
 @pytest.mark.parametrize("high", [3, 2])
 def test_a_pin_that_fills_a_pocket_or_a_void_changes_no_graph(high):
-    """Its vertices are at the places of the pocket's: no ray can tell, and what is an outer contour stays one."""
+    """Its vertices are at the places of the pocket's: no line can tell, and what is an outer contour stays one."""
     block = np.ones((4, 4, 3), bool)
     block[1:3, 1:3, 1:high] = False
     block, pin = solids.voxels(block), solids.move(solids.voxels(np.ones((2, 2, high - 1), bool)), [1.0, 1.0, 1.0])
     both = solids.unite(block, pin)
     body = np.repeat([0, 1], [len(block.points), len(pin.points)]).astype(np.int32)
     mesh = turned(both, None)
-    assert solid_graph_by_rays(mesh, surface_reeb_graph(mesh), one_body(mesh)) is None
+    assert solid_graph_by_trees(mesh, surface_reeb_graph(mesh), one_body(mesh)) is None
     graphs = [exact_graphs(both.points, both.faces, None, body)[1]]
     graphs += [exact_graphs(one.points, one.faces)[1] for one in (block, pin)]
     together, *alone = (sorted(map(tuple, graph.height[graph.arcs].tolist())) for graph in graphs)
@@ -163,17 +170,36 @@ def test_noise_for_which_slices_have_no_room_has_its_graphs(monkeypatch):
 
 
 @cases(20)
-@given(solids.any_solids(), st.sampled_from([None, 1]))
-def test_the_grid_lists_each_face_that_a_level_and_a_line_may_cross_once(solid, seed):
+@given(solids.any_solids(), st.integers(1, 3))
+def test_a_line_meets_the_nearest_of_all_faces_above_or_below_its_vertex(solid, seed):
     mesh = turned(solid, seed)
-    n, random = len(mesh.points), np.random.default_rng(0)
-    offset = mesh.points @ [0.6, -0.8, 0.0]
-    grid, room = build_grid(mesh.faces, offset, 1e-9), np.empty(4 * len(mesh.faces), np.int32)
-    for rank, aside in zip(random.integers(0, n, 50).tolist(), random.uniform(offset.min(), offset.max(), 50)):
-        found = room[: find_candidates(grid, n, rank, aside, room)]
-        meets = (mesh.faces.min(axis=1) < rank) & (mesh.faces.max(axis=1) >= rank)
-        meets &= (offset[mesh.faces].min(axis=1) <= aside) & (offset[mesh.faces].max(axis=1) >= aside)
-        assert len(np.unique(found)) == len(found) and np.isin(np.flatnonzero(meets), found).all()
+    graph = surface_reeb_graph(mesh)
+    ends = np.flatnonzero(np.bincount(graph.arcs.ravel()) == 1)
+    vertices, upward = graph.nodes[ends].astype(np.int64), ~np.isin(ends, graph.arcs[:, 0])
+    hits = meet_faces(scale_points(mesh.points), mesh.faces, one_body(mesh), vertices, upward)
+    a, b, c = (mesh.points[mesh.faces[:, k]] for k in range(3))
+
+    def doubled_area(u, v):
+        return u[:, 0] * v[:, 1] - u[:, 1] * v[:, 0]
+
+    area = doubled_area(b - a, c - a)
+    area[area == 0] = np.nan  # between the copies of a saddle
+    for v, up, face in zip(vertices.tolist(), upward.tolist(), hits.face.tolist()):
+        p = mesh.points[v]
+        share = np.stack([doubled_area(y - x, p - x) / area for x, y in ((b, c), (c, a), (a, b))])
+        rise = (share * [a[:, 2], b[:, 2], c[:, 2]]).sum(axis=0) - p[2]
+        met = (share > 0).all(axis=0) & (rise > 0 if up else rise < 0) & (mesh.faces != v).all(axis=1)
+        nearest = np.argmin(np.where(met, np.abs(rise), np.inf)) if met.any() else -1
+        assert face == nearest
+
+
+def test_levels_pierce_each_loop_once_where_few_can():
+    """Ten windows side by side take one level, ten on top of each other one each."""
+    row = solids.plate(10, upright=True)
+    for solid, count in ((row, 1), (solids.transform(row, [[0, 0, -1], [0, 1, 0], [1, 0, 0]]), 10)):
+        mesh = turned(solid, None)
+        cut = solid_levels.cut_at_loops(mesh, surface_reeb_graph(mesh), one_body(mesh))
+        assert len(cut.levels.height) == count
 
 
 def test_a_pair_goes_with_its_branch_and_what_the_branch_hosts_goes_over():
