@@ -140,7 +140,7 @@ def _sweep(scene, into, incident, wanted):
     return host, odd, np.array(doubtful), np.array(start), np.array(face), np.array(arc)
 
 
-@njit
+@njit(inner=True)
 def _list_crossed(scene, state, v, face, arc):
     """Append all faces of the body of v that the level right below it crosses, and their arcs."""
     faces, (root, label, begin) = scene.mesh.faces, state
@@ -174,7 +174,7 @@ def _cross_side(points, faces, h, v):
     return cross_at(points[low], points[high], points[v, 2], points[v, 0], points[v, 1])
 
 
-@njit
+@njit(inner=True)
 def _find_start(scene, v, gate):
     """A point of a contour at event v, from which a ray starts, and whether there is one.
 
@@ -199,7 +199,7 @@ def _find_start(scene, v, gate):
             return x, y, False
 
 
-@njit
+@njit(inner=True)
 def _shoot(scene, state, place, gate, marks, room):
     """Outcome and host of one event: a ray forward and, if that leaves it in doubt, backward."""
     v = np.int64(scene.graph.nodes[place])
@@ -221,7 +221,7 @@ def _shoot(scene, state, place, gate, marks, room):
     return outcome, host
 
 
-@njit
+@njit(inner=True)
 def _cross_faces(scene, state, place, ray, marks, room):
     """Cross faces one by one; the outcome, and how many arcs are met. ray : its start, and 1.0 forward, -1.0 back."""
     faces, points, offset = scene.mesh.faces, scene.mesh.points, scene.offset
@@ -257,7 +257,7 @@ def _cross_faces(scene, state, place, ray, marks, room):
     return DONE, n_met
 
 
-@njit
+@njit(inner=True)
 def _cross_ray(px, py, qx, qy, rounding):
     """How a segment crosses a ray that starts at the origin: sign, distance, and the most that this errs by.
 
@@ -279,7 +279,7 @@ def _cross_ray(px, py, qx, qy, rounding):
     return (1 if qs > 0 else -1), turn / (qs - ps), 4 * rounding * (1 + abs(qt - pt) / abs(qs - ps))
 
 
-@njit
+@njit(inner=True)
 def _choose_host(scene, marks, met):
     """Outcome and host: of the outer contours around the start the one that the ray leaves first for good."""
     best, total = np.int32(-1), 0
