@@ -120,6 +120,35 @@ print(kernels_here.fold_twice(3.0), sum(kernels_here.fold_twice.stats.cache_miss
     assert sorted(run.communicate()[0].split() for run in runs) == [["30.0", "0"], ["30.0", "0"], ["30.0", "1"]]
 
 
+def test_inner_kernels_are_for_kernels_and_constants_make_no_kernels_of_their_own(tmp_path):
+    (tmp_path / "kernels_here.py").write_text("""
+from reebslice.kernels import njit
+@njit(inner=True)
+def double(x):
+    return 2 * x
+@njit
+def sum_doubles(x):
+    return double(x) + double(3)
+""")
+    script = f"""
+import sys
+sys.path.insert(0, {str(tmp_path)!r})
+from kernels_here import double, sum_doubles
+print(sum_doubles(1), len(double.signatures))
+for _ in range(2):
+    try:
+        double(1)
+    except TypeError as error:
+        print(error)
+"""
+    for compiled in (1, 0):  # compiled, and loaded with what calls it
+        said = run_python(script, NUMBA_CACHE_DIR=str(tmp_path))
+        assert said.split("\n")[:3] == [
+            f"8 {compiled}",
+            *["double is for kernels to call; declare it without `inner`"] * 2,
+        ]
+
+
 def with_value(array, place, value):
     array = np.array(array)
     array[place] = value

@@ -63,6 +63,7 @@ from corpus.outcome import close_idle_runs, list_first, tell_outcome
 from corpus.process import find_full_disks, find_last_words
 from corpus.promises import find_altered, find_blocked_folders, find_broken_promises
 from corpus.receipts import forget_stage
+from corpus.rehearsal import MOST_COMPILERS, find_unrehearsed, rehearse
 from corpus.sample_sheet import read_sheet
 from corpus.shared_files import check_file_sharing
 from corpus.targets import find_unmade, read_wishes, redirect_targets, spare_pandas, withdraw_outdated
@@ -344,12 +345,26 @@ def plan_progress():
         PROGRESS.plan(jobs, {batch: MEMBERS[batch] for batch in batches}, work)
 
 
-def tell_of_compiling():
-    """Say why a first run takes long."""
-    if not os.path.isdir(COMPILED):
-        logger.info("The first run compiles the library as it goes, which takes some minutes; later ones do not.")
-        if PROGRESS:
-            PROGRESS.timed = False
+def compile_ahead():
+    """Compile, once, what the stages of this run call for, so that no model waits for it; on a cluster, say why it does."""
+    if not workflow.local_exec:
+        if not os.path.isdir(COMPILED):
+            logger.info("The first run compiles the library as it goes, which takes some minutes; later ones do not.")
+            if PROGRESS:
+                PROGRESS.timed = False
+        return
+    planned = {job.rule.name for job in workflow.dag.needrun_jobs()} if workflow.is_main_process else ()
+    stages = [stage for stage in BEFORE if any(name.endswith(stage) for name in planned)]
+    by_size = sorted(MODELS.values(), key=lambda mesh: mesh.size, reverse=True)
+    smallest = {os.path.splitext(mesh.path)[1].lower(): mesh.path for mesh in by_size}
+    tasks = find_unrehearsed(COMPILED, stages, smallest)
+    if tasks:
+        begun = time.monotonic()
+        logger.info("Compiling the library, once for this installation: one to three minutes.")
+        own = {stage: rule for rule in workflow.rules for stage in BEFORE if rule.name.endswith(stage)}
+        options = {stage: rule.params.options for stage, rule in own.items()}
+        rehearse(FORK_SERVER, COMPILED, tasks, options, min(workflow.cores, MOST_COMPILERS))
+        logger.info(f"Compiled in {time.monotonic() - begun:.0f} s.")
 
 
 def keep_going():

@@ -5,7 +5,6 @@ import numpy as np
 from ..kernels import njit
 
 
-@njit
 def connected_items(low, high, n):
     """Find the connected components of items that are linked in pairs.
 
@@ -14,13 +13,19 @@ def connected_items(low, high, n):
     low, high : (E,) int
         The two items of every link.
     n : int
-        Number of items.
+        Number of items, below 2^31.
 
     Returns
     -------
     (n,) int64
         Component of every item. Components are numbered by their lowest item.
     """
+    return _label_items(np.ascontiguousarray(low, np.int32), np.ascontiguousarray(high, np.int32), int(n))
+
+
+@njit
+def _label_items(low, high, n):
+    """Kernel of `connected_items`."""
     root, name, count = np.arange(n), np.empty(n, np.int64), 0
     for i in range(len(low)):
         join(root, low[i], high[i])

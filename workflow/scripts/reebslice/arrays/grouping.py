@@ -42,7 +42,8 @@ def group_items(group, count):
     start = np.zeros(count + 1, np.int64)
     for g in group:
         start[g + 1] += 1
-    start = np.cumsum(start)
+    for g in range(count):
+        start[g + 1] += start[g]
     fill, member = start[:-1].copy(), np.empty(len(group), np.int64)
     for i in range(len(group)):
         member[fill[group[i]]] = i

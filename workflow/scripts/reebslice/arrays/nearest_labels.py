@@ -29,9 +29,9 @@ def spread_labels(label, low, high):
 @njit
 def _spread(label, pairs, incident, known):
     """Do as :func:`spread_labels`, breadth first from what is `known`, the lowest label first; changes `label`."""
-    queue, count = np.empty(len(label), np.int64), len(known)
-    queue[:count] = known
-    place = 0
+    queue, count, place = np.empty(len(label), np.int64), len(known), 0
+    for i in range(count):
+        queue[i] = known[i]
     while place < count:
         item = queue[place]
         for pair in incident.member[incident.start[item] : incident.start[item + 1]]:

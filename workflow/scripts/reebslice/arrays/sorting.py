@@ -1,4 +1,8 @@
-"""Counting sorts of integer keys."""
+"""Sorts: of integer keys by counting, and of floats.
+
+Those of floats stand for numpy's inside kernels, which numba compiles for
+seconds in every kernel that is the first of its process to call them.
+"""
 
 import numpy as np
 
@@ -25,7 +29,7 @@ def sort_stably(*keys):
     """
     order = np.arange(len(keys[0][0]))
     for numbers, bound in keys:
-        order = sort_by_counting(np.asarray(numbers), order, bound)[0]
+        order = sort_by_counting(np.ascontiguousarray(numbers), order, int(bound))[0]
     return order
 
 
@@ -55,7 +59,7 @@ def sort_by_counting(numbers, order, bound):
     return out, ends
 
 
-@njit
+@njit(inner=True)
 def find_starts(numbers, bound):
     """Find where each number begins once they are sorted.
 
@@ -76,3 +80,52 @@ def find_starts(numbers, bound):
     for number in range(bound):
         starts[number + 1] += starts[number]
     return starts
+
+
+@njit
+def sort_floats(numbers):
+    """Sort floats in place, by Shell's method.
+
+    Parameters
+    ----------
+    numbers : (n,) float64
+        Without NaN; best no more than some thousands.
+    """
+    gap = len(numbers)
+    while gap > 1:
+        gap = max(gap * 5 // 11, 1)
+        for i in range(gap, len(numbers)):
+            number, place = numbers[i], i
+            while place >= gap and numbers[place - gap] > number:
+                numbers[place] = numbers[place - gap]
+                place -= gap
+            numbers[place] = number
+
+
+@njit
+def order_floats(numbers):
+    """Argsort floats stably, by merging.
+
+    Parameters
+    ----------
+    numbers : (n,) float64
+        Without NaN.
+
+    Returns
+    -------
+    (n,) int64
+        Of equal numbers, the ones that come first come first.
+    """
+    n, width = len(numbers), 1
+    order, merged = np.arange(n), np.empty(n, np.int64)
+    while width < n:
+        for begin in range(0, n, 2 * width):
+            middle, end = min(begin + width, n), min(begin + 2 * width, n)
+            i, j = begin, middle
+            for place in range(begin, end):
+                if j == end or (i < middle and numbers[order[i]] <= numbers[order[j]]):
+                    merged[place], i = order[i], i + 1
+                else:
+                    merged[place], j = order[j], j + 1
+        order, merged, width = merged, order, 2 * width
+    return order

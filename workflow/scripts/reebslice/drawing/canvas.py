@@ -72,8 +72,8 @@ def draw_segments(canvas, groups, colours, widths, opacity=1.0):
         canvas.strokes.append(("segments", (groups, colours, widths, opacity)))
     elif count:
         starts = np.concatenate([[0], np.cumsum([len(group) for group in groups])])
-        radii = np.broadcast_to(np.asarray(widths, float) * canvas.unit / 2, count)
-        inks = np.broadcast_to(np.asarray(colours, float), (count, 3))
+        radii = np.broadcast_to(np.asarray(widths, float) * canvas.unit / 2, count).copy()
+        inks = np.broadcast_to(np.asarray(colours, float), (count, 3)).copy()
         segments = np.concatenate(groups).astype(float)
         _stroke(canvas.image, canvas.cover, canvas.touched, segments, starts, inks, radii, float(opacity))
 

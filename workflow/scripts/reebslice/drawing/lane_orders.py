@@ -72,7 +72,7 @@ def _walk_order(ends, hints, start, incident):
     return np.array(order, np.int64)
 
 
-@njit
+@njit(inner=True)
 def _find_outermost(place, start, incident, without):
     """Places (n,) of the first and of the last lane of every node, the lane `without` left out."""
     first, last = np.full(len(start) - 1, len(place)), np.full(len(start) - 1, -1)

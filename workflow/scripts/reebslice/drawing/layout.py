@@ -151,7 +151,7 @@ def _list_items(order, lanes, home, hints):
     return items[np.lexsort((items, ties, keys))].astype(np.int64)
 
 
-@njit
+@njit(inner=True)
 def _gap(a, b, low, high, lanes, n):
     """Distance that two items must keep, 0 if they never meet."""
     if low[a] > high[b] or low[b] > high[a]:
@@ -168,7 +168,7 @@ def _gap(a, b, low, high, lanes, n):
     return NODE_GAP if not own or _is_short(lane, low, high) else 0.0
 
 
-@njit
+@njit(inner=True)
 def _is_short(lane, low, high):
     """Whether the marks of the lane's ends would meet: spans hold a margin at each end of the lane."""
     return (high[lane] - low[lane]) / 2 < high[0] - low[0]

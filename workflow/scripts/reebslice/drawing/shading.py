@@ -71,7 +71,7 @@ def _shade_blocks(layers, jump, factor, image):
                 image[row, column, k] = int(255.5 - 255 * part * (1 - value))
 
 
-@njit
+@njit(inner=True)
 def _find_outline(depth, row, jump, outlined):
     """Whether one of the four neighbours of each pixel of a row lies more than `jump` behind it, or is empty."""
     here, width = depth[row], depth.shape[1]

@@ -86,7 +86,7 @@ def read_rows(text):
 SPACE, QUOTE, APOSTROPHE, SLASH, LESS, EQUAL, GREATER, AMPERSAND, NEW_LINE = b" \"'/<=>&\n"
 
 
-@njit
+@njit(inner=True)
 def _skip_blanks(letters, at):
     """The first place from `at` on that is no blank of XML."""
     while at < len(letters) and (letters[at] == SPACE or letters[at] == 9 or letters[at] == 10 or letters[at] == 13):
@@ -94,7 +94,7 @@ def _skip_blanks(letters, at):
     return at
 
 
-@njit
+@njit(inner=True)
 def _skip_word(letters, at, word):
     """The place behind a word that stands at a place, or -1 if it does not."""
     if at + len(word) > len(letters):
@@ -105,7 +105,7 @@ def _skip_word(letters, at, word):
     return at + len(word)
 
 
-@njit
+@njit(inner=True)
 def _find_value(letters, at):
     """Where an attribute's name, its value and the attribute end, and where its value begins; -1 if it is not plain."""
     n, name_end = len(letters), at
@@ -143,10 +143,10 @@ def _find_values(letters, at, attributes, ends, values):
             if _skip_word(letters, begin, attributes[ends[k] : ends[k + 1]]) == name_end:
                 if values[k, 0] >= 0 or low == high:
                     return -1  # twice, or empty
-                values[k] = low, high
+                values[k, 0], values[k, 1] = low, high
 
 
-@njit
+@njit(inner=True)
 def _skip_end(letters, at, element):
     """The place behind `/>`, or behind `></element>`, at a place, or -1."""
     if letters[at] == SLASH:

@@ -67,7 +67,7 @@ def lay_flat(points, ids, order, places):
     return Flat(step < 0, length * length / steepest, reach, spread, bend / np.sqrt(size))
 
 
-@njit
+@njit(inner=True)
 def _sum_areas(points, order):
     """Sum the areas of the fan from the first corner, doubled: as vectors (Newell's normal), and their lengths."""
     x = y = z = spread = 0.0
@@ -82,7 +82,7 @@ def _sum_areas(points, order):
     return x, y, z, spread
 
 
-@njit
+@njit(inner=True)
 def _measure_box(points, order):
     """Return the squared diagonal of the box around corners."""
     size = 0.0
@@ -94,7 +94,7 @@ def _measure_box(points, order):
     return size
 
 
-@njit
+@njit(inner=True)
 def _project(points, order, normal, k, places):
     """Move corners along the normal to coordinate plane k.
 
@@ -119,7 +119,7 @@ def _project(points, order, normal, k, places):
 # The order of corners
 
 
-@njit
+@njit(inner=True)
 def _find_start(points, ids):
     """Find the corner, and the way +1 or -1 around, that give the least sequence of coordinates."""
     n, least, alone = len(ids), 0, True
@@ -139,7 +139,7 @@ def _find_start(points, ids):
     return ahead, 1
 
 
-@njit
+@njit(inner=True)
 def _find_least(points, ids, step):
     """Find where the least rotation of a cyclic sequence begins, in linear time."""
     n, i, j, k = len(ids), 0, 1, 0

@@ -79,7 +79,10 @@ def _count_words(letters, most):
         if i == len(letters) or letters[i] == NEW_LINE:
             if words > 0:
                 if lines == len(widths):
-                    widths = np.append(widths, np.empty_like(widths))
+                    longer = np.empty(2 * lines, np.int64)
+                    for k in range(lines):
+                        longer[k] = widths[k]
+                    widths = longer
                 widths[lines] = words
                 lines, words = lines + 1, 0
                 if lines == most:

@@ -108,7 +108,7 @@ def _scan(letters):
     return text[:n_text], ids[:n_ids].copy(), sizes[:n_faces].copy(), n_points, all_sound, others
 
 
-@njit
+@njit(inner=True)
 def _tell_statement(letters, i):
     """Tell the statement that begins at i."""
     first = letters[i]
@@ -131,7 +131,7 @@ def _goes_on(letters, i):
     return letters[i] == BACKSLASH and i + 1 < len(letters) and letters[i + 1] == NEW_LINE
 
 
-@njit
+@njit(inner=True)
 def _skip_line(letters, i, joined):
     """Return where the statement at i ends; that of a comment ends with its line."""
     joined |= letters[i] != HASH
@@ -142,7 +142,7 @@ def _skip_line(letters, i, joined):
     return i
 
 
-@njit
+@njit(inner=True)
 def _copy_line(letters, i, text, at):
     """Copy the numbers of a statement; return where it ends, and where the copy does."""
     n = len(letters)
@@ -161,7 +161,7 @@ def _copy_line(letters, i, text, at):
     return i, at + 1
 
 
-@njit
+@njit(inner=True)
 def _read_face(letters, i, ids, at, n_points):
     """Read the vertex numbers of a face to `ids` from `at` on; return where both end, and whether all are numbers."""
     n, sound = len(letters), True

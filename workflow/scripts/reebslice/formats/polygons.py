@@ -137,7 +137,7 @@ def _cut_all(points, corners, sizes):
     return states, bends, faces
 
 
-@njit
+@njit(inner=True)
 def _cut_one(order, places, flat, triangles):
     """Cut a polygon that is convex or has no area as a fan."""
     n = len(order)
@@ -152,7 +152,7 @@ def _cut_one(order, places, flat, triangles):
     return EASY
 
 
-@njit
+@njit(inner=True)
 def _is_convex(places, n):
     """Tell whether every corner turns left, and all of them once around."""
     rounds = 0
@@ -178,7 +178,7 @@ def _span(places, a, b):
     return (places[b, 0] - places[a, 0]) ** 2 + (places[b, 1] - places[a, 1]) ** 2
 
 
-@njit
+@njit(inner=True)
 def _goes_up(places, a, b):
     rise = places[b, 1] - places[a, 1]
     return rise > 0 or (rise == 0 and places[b, 0] > places[a, 0])

@@ -12,7 +12,7 @@ FOLDED = 1e-6  # of a polygon's size squared: triangles may cover no more than t
 STRAIGHT = 1e-9  # of an area, and sine of an angle: what is below is no ear for sure
 
 
-@njit
+@njit(inner=True)
 def cut_quad(points, quad, faces):
     """Cut one quad.
 
@@ -52,7 +52,7 @@ def cut_quad(points, quad, faces):
     return crossed, bend
 
 
-@njit
+@njit(inner=True)
 def _is_first_shorter(points, a, b, c, d):
     """Tell whether diagonal ac is shorter than bd, or as long and at the least corner by coordinates."""
     ac = bd = 0.0

@@ -133,7 +133,7 @@ def _scan(letters):
     return text[:at], n_facets, fault if n_vertices == 3 * n_facets else WRONG_COUNT, start
 
 
-@njit
+@njit(inner=True)
 def _copy_vertex(letters, i, text, at):
     """Copy three words and end the line; return where both end, and whether another number follows in the line."""
     n = len(letters)
@@ -152,7 +152,7 @@ def _copy_vertex(letters, i, text, at):
     return i, at, more
 
 
-@njit
+@njit(inner=True)
 def _is_word(letters, i, word):
     """Tell whether `word`, in any case, stands at i by itself."""
     end = i + len(word)
@@ -171,14 +171,14 @@ def _is_comment(letters, i):
     return letter in (HASH, SEMICOLON) or (letter == SLASH and i + 1 < len(letters) and letters[i + 1] == SLASH)
 
 
-@njit
+@njit(inner=True)
 def _skip_line(letters, i):
     while i < len(letters) and letters[i] != NEW_LINE:
         i += 1
     return i
 
 
-@njit
+@njit(inner=True)
 def _skip_word(letters, i):
     while i < len(letters) and not is_blank(letters[i]):
         i += 1

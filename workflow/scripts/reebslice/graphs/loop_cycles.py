@@ -50,7 +50,9 @@ def find_core(graph):
 def _prune(arcs, incident):
     """Whether each arc is left, (A,) bool, when nodes of one arc are taken away as long as there are any."""
     start, member, n = incident.start, incident.member, len(incident.start) - 1
-    degree, left = np.diff(start), np.ones(len(arcs), np.bool_)
+    degree, left = np.empty(n, np.int64), np.full(len(arcs), True)
+    for node in range(n):
+        degree[node] = start[node + 1] - start[node]
     for first in range(n):
         node = first
         while degree[node] == 1:

@@ -83,8 +83,8 @@ def count_inside(nesting, counted):
 def _count_inside(parent, counted):
     """Kernel of `count_inside`."""
     inside = np.zeros(len(parent), np.int64)
-    for c in np.flatnonzero(counted):
-        around = parent[c]
+    for c in range(len(parent)):
+        around = parent[c] if counted[c] else -1
         while around >= 0:
             inside[around] += 1
             around = parent[around]
@@ -166,7 +166,7 @@ def _test(arcs, kept, forest, nesting, chosen):
     return zero
 
 
-@njit
+@njit(inner=True)
 def _is_zero(arcs, kept, forest, steps, height):
     """Whether the nodes have heights, which are filled in, with differences along the arcs of `steps` (A,)."""
     order, up = forest

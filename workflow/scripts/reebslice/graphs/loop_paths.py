@@ -56,7 +56,7 @@ def _walk(mesh, nodes, arcs, gates, cycles, cut):
     return start, np.array(found)
 
 
-@njit
+@njit(inner=True)
 def _climb_arc(mesh, low, gate, high, stay_below):
     """Ranks of a path from the lower end of an arc to its upper end; `gate` leads from the one into the arc."""
     points, faces = mesh.points, mesh.faces
@@ -75,7 +75,7 @@ def _climb_arc(mesh, low, gate, high, stay_below):
     return path
 
 
-@njit
+@njit(inner=True)
 def _ahead(points, faces, twins, h, goal):
     """The upward half-edge from the upper end of h by which the way to a vertex is shortest, as the crow flies."""
     first = h // 3 * 3 + (h % 3 + 1) % 3  # leaves the vertex
@@ -98,7 +98,7 @@ def distance(points, v, w):
     return np.sqrt(x * x + y * y + z * z)
 
 
-@njit
+@njit(inner=True)
 def _go_around(mesh, h, vertex, stay_below):
     """Ends of the mesh edges along the contour just below a vertex, from half-edge h to the vertex, by fewest edges.
 
@@ -118,7 +118,7 @@ def _go_around(mesh, h, vertex, stay_below):
         b = np.int64(twins[b // 3 * 3 + (b % 3 + (2 if third >= vertex else 1)) % 3])
 
 
-@njit
+@njit(inner=True)
 def drop_spurs(path):
     """The closed path without steps forth and back, and without vertices that follow themselves."""
     kept = [np.int64(0) for _ in range(0)]

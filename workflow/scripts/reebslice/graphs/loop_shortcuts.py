@@ -5,6 +5,7 @@ import heapq
 import numpy as np
 
 from ..arrays.grouping import Groups
+from ..arrays.sorting import order_floats
 from ..kernels import njit
 from ..morse.ordered_mesh import next_half_edge
 from .loop_paths import distance, drop_spurs
@@ -51,7 +52,7 @@ def _shorten(mesh, walked, first, cut, visits):
     search = np.full(n, -1, np.int64), np.empty(n), np.empty(n, np.int64), np.zeros(1, np.int64)
     found = [walked.member[walked.start[k] : walked.start[k + 1]] for k in range(loops)]
     length = np.array([_measure(mesh.points, np.append(path, path[:1])) for path in found])
-    for turn, k in enumerate(np.argsort(length, kind="mergesort")):
+    for turn, k in enumerate(order_floats(length)):
         left = visits // (loops - turn)
         visits -= left
         for round_ in range(ROUNDS):
@@ -62,11 +63,12 @@ def _shorten(mesh, walked, first, cut, visits):
         start[k + 1] = start[k] + len(found[k])
     member = np.empty(start[-1], np.int64)
     for k in range(loops):
-        member[start[k] : start[k + 1]] = found[k]
+        for i in range(len(found[k])):
+            member[start[k] + i] = found[k][i]
     return start, member
 
 
-@njit
+@njit(inner=True)
 def _leave_vertices(faces, n):
     """A half-edge that leaves each vertex, (n,) int64."""
     leaving = np.empty(n, np.int64)
@@ -75,7 +77,7 @@ def _leave_vertices(faces, n):
     return leaving
 
 
-@njit
+@njit(inner=True)
 def _mark_circle(mesh, first, cut, marked):
     """Mark the half-edges, both ways, that a contour crosses."""
     h = first
@@ -95,7 +97,7 @@ def _measure(points, path):
     return total
 
 
-@njit
+@njit(inner=True)
 def _shorten_once(mesh, leaving, blocked, path, round_, visits, search):
     """The closed path with each stretch as short as it can be, and the visits that are left."""
     stretch = _measure(mesh.points, path) / STRETCHES if round_ else np.inf
@@ -129,7 +131,7 @@ def _turn(mesh, leaving, blocked, path):
     return len(path) - 1
 
 
-@njit
+@njit(inner=True)
 def _half_edge(mesh, leaving, tail, head):
     """The half-edge from one vertex to another."""
     faces, h = mesh.faces, leaving[tail]

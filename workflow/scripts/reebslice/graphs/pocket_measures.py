@@ -147,7 +147,7 @@ def _levels_at(mesh, begin, end, distance):
     rows = {row for pair in cuts for row in pair} | set(_levels_between(mesh, begin, end, distance))
     ordered = sorted(rows, key=lambda row: row[:2])
     number = {row: k for k, row in enumerate(ordered)}
-    below, z, tie_x, tie_y = np.array(ordered, float).reshape(-1, 4).T
+    below, z, tie_x, tie_y = np.array(ordered, float).reshape(-1, 4).T.copy()
     levels = Levels(z, below.astype(np.int32), tie_x, tie_y)
     return levels, np.array([number[row] for _, row in cuts], np.int64)
 

@@ -153,6 +153,7 @@ def _see(slices, graph, marks, upward):
     first = np.full(count, len(block))
     np.minimum.at(first, block, places)
     by_level = np.argsort(level, kind="stable")
+    area = np.asarray(area, np.float64)  # of no regions it may be of another type
     return _Blocks(*map(np.ascontiguousarray, (volume, first, marks, level, area, *ends, by_level))), block
 
 
@@ -181,7 +182,9 @@ def _sweep(blocks, block, times, by_start, clear, found):
             if level < n_levels and clear[level] and level <= at[active[k]]:
                 _measure(found, active[k], area, widest, part)
             if at[active[k]] == level:
-                found.volume[active[k]], found.shells[active[k]] = volume[part], marks[part]
+                found.volume[active[k]] = volume[part]
+                for word in range(marks.shape[1]):
+                    found.shells[active[k], word] = marks[part, word]
             if until[active[k]] == level:
                 found.into[active[k]] = first[part]
         for place in range(crossed, here):
@@ -218,4 +221,5 @@ def _join(blocks, region, root, volume, first, marks):
         root[two] = one
         volume[one] += volume[two]
         first[one] = min(first[one], first[two])
-        marks[one] |= marks[two]
+        for word in range(marks.shape[1]):
+            marks[one, word] |= marks[two, word]

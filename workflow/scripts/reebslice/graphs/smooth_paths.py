@@ -116,7 +116,7 @@ def smooth_points(outlines, centre, radius, height, below, above):
     rings = outlines.points, outlines.ring, outlines.start
     order = np.arange(count)
     upward = walk_steadily(rings, centre, radius, lower, order)
-    downward = walk_steadily(rings, centre, radius, upper, order[::-1])
+    downward = walk_steadily(rings, centre, radius, upper, order[::-1].copy())
     chosen = np.column_stack([upward, height])
     candidates = np.stack([upward, upward, downward, centre], axis=1)
     for window in (0, *WINDOWS):
@@ -154,7 +154,7 @@ def walk_steadily(rings, centre, radius, neighbour, order):
     return points
 
 
-@njit
+@njit(inner=True)
 def _approach(rings, radius, r, x, y, other_x, other_y):
     """Near (x, y) a point of region r whose circle is nearly largest, or the other point."""
     outline, ring, start = rings
@@ -165,7 +165,7 @@ def _approach(rings, radius, r, x, y, other_x, other_y):
     return other_x, other_y
 
 
-@njit
+@njit(inner=True)
 def _climb(outline, ring, first, end, x, y, radius):
     """Walk away from the outline until the clearance is no less than STEADY x radius, or STEPS are done.
 
@@ -208,7 +208,7 @@ def _straighten(rings, radius, chosen, chains, window):
     return pulled
 
 
-@njit
+@njit(inner=True)
 def _mean_point(chosen, member, begin, end, alone):
     """The mean of the chosen points of some regions, or that of the region itself where there are none."""
     if begin == end:
@@ -232,19 +232,20 @@ def _choose_paths(candidates, chosen, chains):
         spots, came = np.empty((len(own), k, 3)), np.zeros((len(own), k), np.int64)
         cost, first, last = np.zeros(k), own[0], own[-1]
         for i in range(len(own)):
-            spots[i, 0] = chosen[own[i]]
-            spots[i, 1:, :2], spots[i, 1:, 2] = candidates[own[i]], chosen[own[i], 2]
+            for a in range(k):
+                place = candidates[own[i], a - 1] if a else chosen[own[i]]
+                spots[i, a, 0], spots[i, a, 1], spots[i, a, 2] = place[0], place[1], chosen[own[i], 2]
         _add_ends(cost, spots[0], chosen, below[below_start[first] : below_start[first + 1]])
         for i in range(1, len(own)):
             cost = _step(cost, spots[i - 1], spots[i], came[i])
         _add_ends(cost, spots[-1], chosen, above[above_start[last] : above_start[last + 1]])
         best = np.argmin(cost)
         for i in range(len(own) - 1, -1, -1):
-            chosen[own[i]] = spots[i, best]
+            chosen[own[i], 0], chosen[own[i], 1] = spots[i, best, 0], spots[i, best, 1]
             best = came[i, best]
 
 
-@njit
+@njit(inner=True)
 def _add_ends(cost, spots, chosen, others):
     """Add to the cost of each spot its distances to the chosen points of other regions."""
     for a in range(len(cost)):

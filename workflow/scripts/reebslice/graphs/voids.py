@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
+from ..arrays.sorting import order_floats
 from ..kernels import njit
 from ..mesh.half_edges import find_twins
 from ..mesh.orders import canonical_faces
@@ -61,7 +62,9 @@ def _turn_inside_out(faces, twins):
         while end < m and faces[end, 0] == faces[first, 0]:
             end += 1
         if end - first > 24:
-            place[first + np.argsort(faces[first:end, 2])] = np.arange(first, end)
+            order = order_floats(faces[first:end, 2].astype(np.float64))
+            for i in range(len(order)):
+                place[first + order[i]] = first + i
         else:  # counting those before each is faster than sorting so few
             for f in range(first, end):
                 place[f] = first

@@ -155,7 +155,7 @@ def turns_around_hole(mesh, gate, cut, tilt):
     return turns_clockwise(locate_corners(mesh.points, low.tolist(), high.tolist(), cut, tilt))
 
 
-@njit
+@njit(inner=True)
 def walk_contour(mesh, start, other, saddle, cut):
     """Measure the contour at the height of a vertex.
 

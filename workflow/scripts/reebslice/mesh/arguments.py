@@ -297,4 +297,7 @@ def _find_pinch(corners, twins, n):
         return -1
     for h in range(len(corners)):
         length[corners[h]] -= 1
-    return np.flatnonzero(length < 0)[0]
+    vertex = 0
+    while length[vertex] >= 0:
+        vertex += 1
+    return vertex

@@ -128,7 +128,7 @@ def side_sign(points, plane, v, work):
     return _exact_side(points, plane, v, work)
 
 
-@njit
+@njit(inner=True)
 def _exact_side(points, plane, v, work):
     """As `side_sign`, in expansions."""
     i, j, k = plane
@@ -166,7 +166,7 @@ def _two_product(a, b):
     return product, low * rest - (((product - high * top) - low * top) - high * rest)
 
 
-@njit
+@njit(inner=True)
 def _grow(work, n, b):
     """Add a float to the expansion of n components; returns their new number."""
     kept = 0
@@ -184,7 +184,7 @@ def _grow(work, n, b):
     return kept
 
 
-@njit
+@njit(inner=True)
 def _add_pair(work, n, a, b, sign):
     """Add sign * a * b, where sign is 1.0 or -1.0."""
     if a == 0 or b == 0:
@@ -193,7 +193,7 @@ def _add_pair(work, n, a, b, sign):
     return _grow(work, _grow(work, n, low), high)
 
 
-@njit
+@njit(inner=True)
 def _add_triple(work, n, a, b, c):
     """Add a * b * c."""
     if a == 0 or b == 0:

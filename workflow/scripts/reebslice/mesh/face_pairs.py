@@ -23,7 +23,7 @@ from .exact_signs import side_sign, turn_sign
 APART, ALONG_SIDE, THROUGH, OVERLAP, FOLD = range(5)
 
 
-@njit
+@njit(inner=True)
 def judge_pair(points, f, g, work):
     """Judge two faces by themselves.
 
@@ -54,7 +54,7 @@ def judge_pair(points, f, g, work):
     return THROUGH if _is_through(sides_f) and _is_through(sides_g) else ALONG_SIDE
 
 
-@njit
+@njit(inner=True)
 def any_sign(sides):
     """Whether some of three signs is not 0."""
     return sides[0] != 0 or sides[1] != 0 or sides[2] != 0
@@ -79,7 +79,7 @@ def _find_sides(points, plane, f, work):
     )
 
 
-@njit
+@njit(inner=True)
 def _find_tip(sides):
     """The corner that is off a plane on a side on which the others are not, if they meet it in two points; or -1."""
     for k in range(3):
@@ -88,13 +88,13 @@ def _find_tip(sides):
     return -1
 
 
-@njit
+@njit(inner=True)
 def _is_through(sides):
     """Whether there are corners on both sides of the plane."""
     return min(sides) < 0 < max(sides)
 
 
-@njit
+@njit(inner=True)
 def _share_stretch(points, f, g, tips, work):
     """Whether the stretches in which two faces meet the line of their planes overlap by more than a point.
 
@@ -113,7 +113,7 @@ def _share_stretch(points, f, g, tips, work):
     return side_sign(points, (a, b, d), e, work) < 0 and side_sign(points, (a, c, h), d, work) < 0
 
 
-@njit
+@njit(inner=True)
 def _judge_in_plane(points, f, g, n_shared, work):
     """Judge two faces in one plane, or of which one has no area."""
     axis = 0
@@ -132,7 +132,7 @@ def _judge_in_plane(points, f, g, n_shared, work):
     return OVERLAP if way_f == way_g else APART
 
 
-@njit
+@njit(inner=True)
 def _is_cut_off(points, f, g, seen, work):
     """Whether no vertex of g is inside the line of some side of f; seen : the axis of view, and the way f turns."""
     axis, way = seen
@@ -145,7 +145,7 @@ def _is_cut_off(points, f, g, seen, work):
     return False
 
 
-@njit
+@njit(inner=True)
 def judge_along_side(points, faces, twins, pair, work):
     """Judge two faces that share a stretch along a side of one of them, or of both.
 
@@ -180,14 +180,14 @@ def judge_along_side(points, faces, twins, pair, work):
     return one != 0 and two != 0 and one != two
 
 
-@njit
+@njit(inner=True)
 def _apex_beyond(faces, twins, f, k):
     """The vertex of the neighbour across the side of f opposite its corner k."""
     twin = twins[3 * f + (k + 1) % 3]
     return faces[twin // 3, (twin % 3 + 2) % 3]
 
 
-@njit
+@njit(inner=True)
 def _is_proper(points, axis, one, other, beside, work):
     """Whether half-planes through two vertices are not one; `beside` is a vertex in the plane of neither."""
     turn = side_sign(points, (axis[0], axis[1], one), beside, work)
@@ -196,7 +196,7 @@ def _is_proper(points, axis, one, other, beside, work):
     return turn == -side_sign(points, (axis[0], axis[1], other), beside, work)
 
 
-@njit
+@njit(inner=True)
 def _is_between(points, axis, vertices, work):
     """Whether a half-plane is between two others: +1 if so, going around the axis from the one to the other.
 

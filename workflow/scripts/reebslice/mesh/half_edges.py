@@ -30,7 +30,7 @@ def find_twins(faces, n_vertices):
         If some mesh edge does not lie in exactly two faces that run along it in
         opposite directions; the message names its vertices.
     """
-    twins, bad = _match(np.ascontiguousarray(faces, np.int32), n_vertices, True)
+    twins, bad = _match(np.ascontiguousarray(faces, np.int32), int(n_vertices), True)
     if bad >= 0:
         face, corner = divmod(int(bad), 3)
         ends = faces[face, corner], faces[face, (corner + 1) % 3]
@@ -52,7 +52,7 @@ def match_half_edges(faces, n_vertices):
     (3 m,) int32 or None
         None if some mesh edge does not lie in exactly two faces.
     """
-    opposite, bad = _match(np.ascontiguousarray(faces, np.int32), n_vertices, False)
+    opposite, bad = _match(np.ascontiguousarray(faces, np.int32), int(n_vertices), False)
     return opposite if bad < 0 else None
 
 
@@ -90,7 +90,7 @@ def _match(faces, n, oriented):
     return opposite, -1
 
 
-@njit
+@njit(inner=True)
 def _first_single(tails, h, older, met):
     """The first half-edge of the chain from h on whose other half-edge was not met."""
     while met[max(tails[h], tails[ahead(h)]), 1] != h:

@@ -52,7 +52,7 @@ def measure_shells(points, faces, shell, n_shells):
         from the origin keeps its digits; where rounding could hide the sign,
         the volume is summed exactly: 0.0 means that it is zero.
     """
-    areas, volumes, sizes, counts = _sum_faces(points, faces, shell, n_shells)
+    areas, volumes, sizes, counts = _sum_faces(points, faces, np.ascontiguousarray(shell, np.int32), int(n_shells))
     # Differences and products round by 1e-16 each, sums by the square root of their length.
     noise = 2e-15 * sizes * np.sqrt(counts)
     for doubtful in np.flatnonzero(np.abs(volumes) <= noise):
@@ -66,9 +66,10 @@ def _sum_faces(points, faces, shell, n_shells):
     centre, counts = np.empty((n_shells, 3)), np.zeros(n_shells, np.int64)
     areas, volumes, sizes = np.zeros(n_shells), np.zeros(n_shells), np.zeros(n_shells)
     for f in range(len(faces)):
-        s = shell[f]
+        s = np.int64(shell[f])
         if counts[s] == 0:
-            centre[s] = points[faces[f, 0]]
+            first = faces[f, 0]
+            centre[s, 0], centre[s, 1], centre[s, 2] = points[first, 0], points[first, 1], points[first, 2]
         counts[s] += 1
         ax, ay, az = _spoke(points, faces[f, 0], centre, s)
         bx, by, bz = _spoke(points, faces[f, 1], centre, s)
@@ -83,7 +84,7 @@ def _sum_faces(points, faces, shell, n_shells):
     return areas, volumes, sizes, counts
 
 
-@njit
+@njit(inner=True)
 def _spoke(points, one, centres, other):
     return points[one, 0] - centres[other, 0], points[one, 1] - centres[other, 1], points[one, 2] - centres[other, 2]
 
@@ -113,8 +114,9 @@ def count_collinear(points, faces):
 def _count_collinear(points, faces):
     count = 0
     for f in range(len(faces)):
-        bx, by, bz = _spoke(points, faces[f, 1], points, faces[f, 0])
-        cx, cy, cz = _spoke(points, faces[f, 2], points, faces[f, 0])
+        a = np.int64(faces[f, 0])
+        bx, by, bz = _spoke(points, faces[f, 1], points, a)
+        cx, cy, cz = _spoke(points, faces[f, 2], points, a)
         x, y, z = _cross(bx, by, bz, cx, cy, cz)
         sides = np.sqrt(bx * bx + by * by + bz * bz) * np.sqrt(cx * cx + cy * cy + cz * cz)
         count += np.sqrt(x * x + y * y + z * z) <= 1e-15 * sides

@@ -167,7 +167,7 @@ def _are_known(faces, embedded, f, g):
     return found
 
 
-@njit
+@njit(inner=True)
 def _may_meet(points, faces, facing, f, g):
     """Whether two faces may meet in more than a common vertex or mesh edge."""
     a, b = (faces[f, 0], faces[f, 1], faces[f, 2]), (faces[g, 0], faces[g, 1], faces[g, 2])

@@ -85,8 +85,9 @@ def _order_few(order, points):
         if end < len(order) and points[order[end], 2] == points[order[start], 2]:
             continue
         if end - start > 16:
-            many[count : count + end - start] = np.arange(start, end)
-            count += end - start
+            for place in range(start, end):
+                many[count] = place
+                count += 1
         else:
             for place in range(start + 1, end):
                 v = order[place]
@@ -164,7 +165,7 @@ def sort_faces(faces, n):
     return out
 
 
-@njit
+@njit(inner=True)
 def _sort_fan(faces, first, end):
     """Shell's sort of the faces from `first` up to `end` by their second corner: far from quadratic in a large fan."""
     gap = end - first
@@ -225,7 +226,7 @@ def _order_triples(a, b, c, bound):
     return order
 
 
-@njit
+@njit(inner=True)
 def _sort_few(order, begin, end, b, c):
     """Shell's sort of order[begin:end] by (b, c, itself): far from quadratic where they are many."""
     gap = end - begin

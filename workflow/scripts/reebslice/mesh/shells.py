@@ -42,7 +42,7 @@ def find_enclosing(points, faces, shell, n_shells):
         return enclosing
     order = np.argsort(shell, kind="stable")
     members = np.split(order, np.cumsum(np.bincount(shell, minlength=n_shells))[:-1])
-    low, high = _find_boxes(points, faces, shell, n_shells)
+    low, high = _find_boxes(points, faces, np.ascontiguousarray(shell, np.int32), int(n_shells))
     centres = [_sample_centres(points, faces, member) for member in members]
     for outer in range(n_shells):
         boxed = np.all((low >= low[outer]) & (high <= high[outer]), axis=1)
@@ -99,7 +99,7 @@ def _count_votes(points, faces, groups):
     return tuple(np.bincount(group, (sign * vote > 0).all(axis=1), len(groups)).astype(np.int64) for sign in (1, -1))
 
 
-@njit
+@njit(inner=True)
 def _edge_crosses(points, i, j, px, py):
     # Ends in the order of their ids: both faces of a mesh edge then compute
     # the same number, and the ray passes it on the same side for both.
@@ -112,7 +112,7 @@ def _edge_crosses(points, i, j, px, py):
     return ya + (yb - ya) * ((px - xa) / (xb - xa)) > py
 
 
-@njit
+@njit(inner=True)
 def _height_on_face(points, face, px, py):
     ax, ay, az = points[face[0]]
     bx, by, bz = points[face[1]]

@@ -64,13 +64,13 @@ def _distance(p, a, b, c):
     return min(_to_segment(p, a, b), _to_segment(p, b, c), _to_segment(p, c, a))
 
 
-@njit
+@njit(inner=True)
 def _triple(u, v, n):
     """The determinant of three vectors."""
     return (u[1] * v[2] - u[2] * v[1]) * n[0] + (u[2] * v[0] - u[0] * v[2]) * n[1] + (u[0] * v[1] - u[1] * v[0]) * n[2]
 
 
-@njit
+@njit(inner=True)
 def _to_segment(p, a, b):
     """Distance of a point from a segment."""
     step = b - a

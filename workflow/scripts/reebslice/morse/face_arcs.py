@@ -187,7 +187,7 @@ def arc_at(faces, root, label, begin, h):
     return find(root, arc)
 
 
-@njit
+@njit(inner=True)
 def pass_node(mesh, graph, incident, place, root, label):
     """Pass a critical point in a sweep: end its lower arcs and begin its upper ones.
 
@@ -216,7 +216,7 @@ def pass_node(mesh, graph, incident, place, root, label):
     if first < 0:
         return first  # a maximum: nothing goes on
     if second >= 0:
-        first, second = _longer_first(mesh, graph.gates, first, second, cut)
+        first, second = _longer_first(mesh, graph.gates, np.int64(first), np.int64(second), np.int64(cut))
         h = start = np.int64(graph.gates[second])
         while True:
             label[h] = second
@@ -229,7 +229,7 @@ def pass_node(mesh, graph, incident, place, root, label):
     return first
 
 
-@njit
+@njit(inner=True)
 def _longer_first(mesh, gates, one, two, cut):
     """Two arcs that begin right below a cut, that with the longer contour first."""
     h, g = np.int64(gates[one]), np.int64(gates[two])
@@ -242,7 +242,7 @@ def _longer_first(mesh, gates, one, two, cut):
             return two, one
 
 
-@njit
+@njit(inner=True)
 def _mark_faces(mesh, into, root, label, begin, of_face, v, below):
     """Label those faces around v whose middle corner it is and of which more lies on this side of it."""
     if into[0] < 0:

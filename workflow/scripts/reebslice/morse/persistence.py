@@ -81,7 +81,7 @@ def pair_kinds(index, partner):
     return np.select([upper == 1, lower == 1], kinds, "extended").tolist()
 
 
-@njit
+@njit(inner=True)
 def _pair_components(arcs, incident, upward):
     """Pairs (p, 2) by the elder rule, loops that each node closes (n,), and for each node one nearer the oldest."""
     start, member, n = incident.start, incident.member, len(incident.start) - 1
@@ -107,7 +107,7 @@ def _pair_components(arcs, incident, upward):
     return pairs[:found], closed, root
 
 
-@njit
+@njit(inner=True)
 def _pair_extremes(root):
     """The lowest node of each component, to which `root` leads, and its highest."""
     pairs, found, met = np.empty((len(root), 2), np.int32), 0, np.zeros(len(root), np.bool_)
@@ -120,7 +120,7 @@ def _pair_extremes(root):
     return pairs[:found]
 
 
-@njit
+@njit(inner=True)
 def _pair_loops(arcs, incident, closed):
     """Bottom and top of every loop; closed : (n,) loops of which each node is the top.
 
@@ -128,9 +128,14 @@ def _pair_loops(arcs, incident, closed):
     two groups meet that both hang from the top.
     """
     start, member = incident.start, incident.member
-    pairs, found = np.empty((closed.sum(), 2), np.int32), 0
+    total = 0
+    for count in closed:
+        total += count
+    pairs, found = np.empty((total, 2), np.int32), 0
     root, hangs = np.arange(len(arcs)), np.zeros(len(arcs), np.bool_)
-    for top in np.flatnonzero(closed):
+    for top in range(len(closed)):
+        if closed[top] == 0:
+            continue
         for arc in member[start[top] : start[top + 1]]:
             hangs[arc] = arcs[arc, 1] == top
         node, left = top, closed[top]

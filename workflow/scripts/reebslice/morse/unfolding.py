@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from ..arrays.sorting import order_floats
 from ..kernels import njit
 from ..table_checks import build_table
 from .critical_points import vertex_indices
@@ -81,7 +82,7 @@ def _link(faces, twins, start):
     return np.roll(np.array(link), -first), np.roll(np.array(spokes), -first)
 
 
-@njit
+@njit(inner=True)
 def _embeddable_wedge(points, origin, link, vertex):
     """Places in the link of the last vertex below an upper wedge and of the first one behind it.
 
@@ -100,13 +101,15 @@ def _embeddable_wedge(points, origin, link, vertex):
         i, j = wedges[w]
         angles[2 * w] = _zero_angle(points, vertex, known[i], known[(i + 1) % degree])
         angles[2 * w + 1] = _zero_angle(points, vertex, known[(j + 1) % degree], known[j])
-    place = np.argsort(np.argsort(angles, kind="mergesort"), kind="mergesort")
+    order, place = order_floats(angles), np.empty(len(angles), np.int64)
+    for rank in range(len(order)):
+        place[order[rank]] = rank
     gaps = np.abs(place[0::2] - place[1::2])
     i, j = wedges[np.argmin(np.minimum(gaps, len(angles) - gaps))]
     return i, (j + 1) % degree
 
 
-@njit
+@njit(inner=True)
 def _last_of(upper, i):
     """The last place of the run of upper vertices behind place i."""
     while upper[(i + 1) % len(upper)]:
@@ -114,7 +117,7 @@ def _last_of(upper, i):
     return i % len(upper)
 
 
-@njit
+@njit(inner=True)
 def _zero_angle(points, vertex, low, high):
     x0, y0, z0 = points[vertex]
     x, y = cross_at(points[low], points[high], z0, x0, y0)

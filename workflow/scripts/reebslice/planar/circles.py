@@ -99,7 +99,7 @@ def _largest_circles(outlines, tolerance):
     return centre, radius
 
 
-@njit
+@njit(inner=True)
 def _least_squares(outline, chosen, quarters):
     """Fill in the squares of the distances of the four places to the nearest of the `chosen` runs.
 
@@ -140,13 +140,14 @@ def _comes_near(x, y, to_x, to_y, bound, reach):
     return near
 
 
-@njit
+@njit(inner=True)
 def _largest_circle(outline, square, tolerance, pool):
     """The largest circle in one region, and the pool, which holds lists of runs and may have grown."""
     n = len(outline.runs)
     if n > len(pool):
         pool = np.empty(n, np.int64)
-    pool[:n] = np.arange(n)
+    for k in range(n):
+        pool[k] = k
     stack, quarters = _make_stack(), _make_quarters(n)
     best = _circle_at(outline, square, quarters)
     stack.cell[0, 0], stack.cell[0, 1], stack.cell[0, 2], stack.cell[0, 3] = best.x, best.y, best.radius, square.half
@@ -170,19 +171,19 @@ def _largest_circle(outline, square, tolerance, pool):
     return best, pool
 
 
-@njit
+@njit(inner=True)
 def _make_stack():
     """An empty :class:`Stack`; more cells than it holds would be smaller than a float can tell."""
     return Stack(np.empty((256, 4)), np.empty((256, 2), np.int64))
 
 
-@njit
+@njit(inner=True)
 def _make_quarters(n_runs):
     """Room for :class:`Quarters`."""
     return Quarters(np.empty((2, 4)), np.empty(4), np.empty(4), np.arange(n_runs))
 
 
-@njit
+@njit(inner=True)
 def _circle_at(outline, square, quarters):
     """The circle around the middle of the square."""
     quarters.places[0], quarters.places[1] = square.x, square.y
@@ -191,7 +192,7 @@ def _circle_at(outline, square, quarters):
     return Circle(square.x, square.y, radius if is_inside(outline, square.x, square.y) else -radius)
 
 
-@njit
+@njit(inner=True)
 def _gather_runs(outline, pool, begin, stop, cell, distance, close):
     """Gather the runs that may be nearest to something, of those in the list pool[begin:stop].
 
@@ -213,7 +214,7 @@ def _gather_runs(outline, pool, begin, stop, cell, distance, close):
     return kept, n_close
 
 
-@njit
+@njit(inner=True)
 def _measure_quarters(outline, cell, distance, close, quarters):
     """Fill in the middles of the quarters of a cell, and their signed distances to the `close` runs."""
     for q in range(4):
@@ -228,7 +229,7 @@ def _measure_quarters(outline, cell, distance, close, quarters):
             found[q] = -found[q]
 
 
-@njit
+@njit(inner=True)
 def _push_quarters(cell, quarters, stack, height, best, tolerance):
     """Push the quarters that leave room for a larger circle, the most promising last: the best circle, the height."""
     base, places, cells = height, quarters.places, stack.cell

@@ -81,7 +81,7 @@ def curve_centres(points, start):
             length += step
             x += step * ((points[i, 0] + points[i + 1, 0]) / 2)
             y += step * ((points[i, 1] + points[i + 1, 1]) / 2)
-        centre[c] = points[start[c]]
+        centre[c, 0], centre[c, 1] = points[start[c], 0], points[start[c], 1]
         if length > 0.0:
             centre[c, 0], centre[c, 1] = x / length, y / length
     return centre

@@ -23,7 +23,7 @@ def clearances(outlines, points):
     return _clearances(outlines, np.ascontiguousarray(points, float))
 
 
-@njit
+@njit(inner=True)
 def nearest_point(points, ring, first, end, x, y):
     """Find the point on an outline that is nearest to a point.
 

@@ -40,7 +40,7 @@ class Square(NamedTuple):
     half: float
 
 
-@njit
+@njit(inner=True)
 def divide_outline(points, ring, first, end):
     """Divide an outline into runs.
 
@@ -80,9 +80,11 @@ def divide_outline(points, ring, first, end):
             box[n, 0], box[n, 1] = 0.5 * (low_x + high_x), 0.5 * (low_y + high_y)
             box[n, 2] = 0.5 * np.hypot(high_x - low_x, high_y - low_y)
             n += 1
-    box[:n, 2] *= 1.0 + 1e-9  # of rounding nothing may fall out
+    for k in range(n):  # of rounding nothing may fall out
+        box[k, 2] *= 1.0 + 1e-9
+        longest[k] = np.sqrt(longest[k]) * (1.0 + 1e-9)
     square = Square(0.5 * (left + right), 0.5 * (bottom + top), 0.5 * max(right - left, top - bottom))
-    return DividedOutline(points, runs[:n], box[:n], np.sqrt(longest[:n]) * (1.0 + 1e-9)), square
+    return DividedOutline(points, runs[:n], box[:n], longest[:n]), square
 
 
 @njit

@@ -108,7 +108,7 @@ def _shared_areas(outlines, one, other):
     return area
 
 
-@njit
+@njit(inner=True)
 def _shared_area(points, sign, one, other, patience):
     """The area that two regions share, from their strands; NaN if it takes more than so many steps."""
     reach, way, first, order = one.reach, one.way, one.of_column.start, one.of_column.member
@@ -140,7 +140,7 @@ def _shared_area(points, sign, one, other, patience):
     return total if abs(total) > ROUNDING * size else 0.0
 
 
-@njit
+@njit(inner=True)
 def _region_widths(points, ring, start):
     """Least and largest x of every region, (R, 2)."""
     box = np.empty((len(start) - 1, 2))
@@ -152,7 +152,7 @@ def _region_widths(points, ring, start):
     return box
 
 
-@njit
+@njit(inner=True)
 def _divide_columns(left, right, size):
     """Where the columns from `left` to `right` begin and end, ascending."""
     count = max(1, size // PER_COLUMN)
@@ -164,14 +164,14 @@ def _divide_columns(left, right, size):
     return columns
 
 
-@njit
+@njit(inner=True)
 def _no_strands():
     """Room for strands."""
     nothing = Groups(np.zeros(1, np.int64), np.empty(0, np.int64))
     return Strands(np.empty((256, 5)), np.empty((256, 3), np.int64), nothing)
 
 
-@njit
+@njit(inner=True)
 def _cut_strands(points, ring, first, end, columns, room):
     """The strands of the rings `first` to `end`, written to where other strands had `room`."""
     n, last, reach, way = 0, len(columns) - 1, room.reach, room.way
@@ -255,7 +255,7 @@ def _cross_column(points, walk, goal, step, limit):
     return Walk(i, x, y, low, high, below)
 
 
-@njit
+@njit(inner=True)
 def _walk_along(points, i, di, j, dj, low, high):
     """The area below both of two strands from x = low to high, and the number of steps to it.
 

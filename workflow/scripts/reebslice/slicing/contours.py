@@ -205,7 +205,9 @@ def _count_crossings(faces, slab, n_levels):
     for f in range(faces.shape[0]):
         count[slab[faces[f, 0]]] += 1  # the first corner is the lowest
         count[slab[max(faces[f, 1], faces[f, 2])]] -= 1
-    return np.cumsum(count)[:-1]
+    for k in range(n_levels):
+        count[k + 1] += count[k]
+    return count[:-1]
 
 
 @njit
@@ -242,7 +244,7 @@ def _trace_levels(mesh, levels, slab, first, end, state, crossings, out):
     return np.array(level, np.int32), np.array(start, np.int64), np.array(edge, np.int32)
 
 
-@njit
+@njit(inner=True)
 def _move_up(mesh, slab, k, n_levels, state):
     """Let go of the faces that are below level k and take in those that it is the first to cross."""
     faces, twins = mesh.faces, mesh.twins

@@ -117,7 +117,7 @@ def climb(faces, twins, below, gates, offset, level):
     """
     crossing = np.empty(len(level), np.int32)
     for a in range(len(gates)):
-        h = gates[a]
+        h = np.int64(gates[a])
         for place in range(offset[a], offset[a + 1]):
             while faces[h // 3, (h % 3 + 1) % 3] < below[level[place]]:
                 h = _go_up(faces, twins, h)
@@ -125,7 +125,7 @@ def climb(faces, twins, below, gates, offset, level):
     return crossing
 
 
-@njit
+@njit(inner=True)
 def _go_up(faces, twins, h):
     """An upward half-edge from the upper end of h, a regular vertex."""
     vertex = faces[h // 3, (h % 3 + 1) % 3]

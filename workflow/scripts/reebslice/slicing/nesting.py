@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from ..arrays.sorting import order_floats, sort_floats
 from ..kernels import njit
 
 FEW = 16  # contours at a level that are all held against each other
@@ -52,7 +53,9 @@ def _nest(level, start, points, size, perimeter, inner, body, rounding):
         end = first
         while end < n and level[end] == level[first]:
             end += 1
-        around = first + np.argsort(size[first:end], kind="mergesort")
+        around = order_floats(size[first:end])
+        for i in range(len(around)):
+            around[i] += first
         left, scale, strips, members = _cut_into_strips(box, around, rounding)
         for c in range(first, end):
             strip = 0
@@ -84,7 +87,7 @@ def _nest(level, start, points, size, perimeter, inner, body, rounding):
     return parent, outer, unsure
 
 
-@njit
+@njit(inner=True)
 def _cut_into_strips(box, chosen, rounding):
     """Vertical strips of equal width; members[strips[s]:strips[s + 1]] are the chosen contours in strip s, in order.
 
@@ -103,7 +106,8 @@ def _cut_into_strips(box, chosen, rounding):
     for e in chosen:
         for s in range(*_range_of_strips(box[e], rounding, left, scale, count)):
             strips[s + 1] += 1
-    strips = np.cumsum(strips)
+    for s in range(count):
+        strips[s + 1] += strips[s]
     fill, members = strips[:-1].copy(), np.empty(strips[-1], np.int64)
     for e in chosen:
         for s in range(*_range_of_strips(box[e], rounding, left, scale, count)):
@@ -128,7 +132,8 @@ def _strip_of(x, left, scale, count):
 def _find_probe(points, start, box, c, probe, probed):
     """Fill in the point inside contour c, once."""
     if not probed[c]:
-        probe[c] = _point_inside(points[start[c] : start[c + 1]], 0.5 * (box[c, 1] + box[c, 3]))
+        x, y = _point_inside(points[start[c] : start[c + 1]], 0.5 * (box[c, 1] + box[c, 3]))
+        probe[c, 0], probe[c, 1] = x, y
         probed[c] = True
 
 
@@ -142,7 +147,7 @@ def _boxes(points, start):
         for i in range(start[c], start[c + 1]):
             x, y = points[i]
             left, low, right, high = min(left, x), min(low, y), max(right, x), max(high, y)
-        box[c] = left, low, right, high
+        box[c, 0], box[c, 1], box[c, 2], box[c, 3] = left, low, right, high
     return box
 
 
@@ -155,7 +160,7 @@ def _may_enclose(box, other, rounding):
     )  # fmt: skip
 
 
-@njit
+@njit(inner=True)
 def _point_inside(ring, middle):
     """The middle of the widest stretch inside a ring on a line halfway up.
 
@@ -180,7 +185,8 @@ def _point_inside(ring, middle):
         length = (qx - px) ** 2 + (qy - py) ** 2
         if length > longest:
             longest, x_longest, y_longest = length, 0.5 * (px + qx), 0.5 * (py + qy)
-    stretches = np.sort(hits[:count])
+    stretches = hits[:count]
+    sort_floats(stretches)
     widest, x = 0.0, x_longest
     for i in range(0, count - 1, 2):
         if stretches[i + 1] - stretches[i] > widest:

@@ -78,9 +78,11 @@ def _measure(mesh, places, crossing, cut, value):
     for ring in range(count):
         h = np.int64(crossing[ring])
         _place(mesh, places, h, value[ring], first)
-        there[:] = first
+        for k in range(3):
+            there[k] = first[k]
         while True:
-            here[:] = there
+            for k in range(3):
+                here[k] = there[k]
             h = np.int64(next_half_edge(mesh.faces, mesh.twins, h, cut[ring]))
             _place(mesh, places, h, value[ring], there)
             step = np.sqrt(((there - here) ** 2).sum())

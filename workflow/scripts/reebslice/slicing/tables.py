@@ -62,7 +62,7 @@ def levels_of_table(table):
     height, tie_x, tie_y = (
         table[name].to_numpy(zero_copy_only=False).astype(float) for name in ("height", "tie_x", "tie_y")
     )
-    return Levels(height, table["vertices_below"].to_numpy(), tie_x, tie_y)
+    return Levels(height, np.array(table["vertices_below"], np.int32), tie_x, tie_y)
 
 
 def contours_table(mesh, slices, shell_of_vertex):

@@ -236,7 +236,7 @@ def measure_pieces(surface, cut, run, cells):
     return slab, shell, euler // 2, area, flux
 
 
-@njit
+@njit(inner=True)
 def _halves(surface, f, centre):
     """What :func:`_below` needs of face f below and above its middle corner, and the area of the face.
 
@@ -261,7 +261,7 @@ def _halves(surface, f, centre):
     return low, high, area
 
 
-@njit
+@njit(inner=True)
 def _below(low, high, z):
     """Of a face the share of its area below height z, and its flux from there down were it even."""
     share, flux = 0.0, 0.0

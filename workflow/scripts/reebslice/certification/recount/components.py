@@ -46,11 +46,11 @@ def join(parent, a, b):
         Members of the sets.
     """
     if parent[a] != parent[b]:  # most often they have been joined before
-        a, b = find_root(parent, a), find_root(parent, b)
+        a, b = find_root(parent, np.int64(a)), find_root(parent, np.int64(b))
         parent[max(a, b)] = min(a, b)
 
 
-@njit
+@njit(inner=True)
 def number_sets(parent):
     """Turn `parent`, in place, into the number of each one's set, by first members; return how many there are."""
     count = 0
@@ -68,7 +68,7 @@ def _components(one, two, n):
     """As :func:`find_components`, of int32."""
     parent = first_parents(n)
     for k in range(len(one)):
-        join(parent, one[k], two[k])
+        join(parent, np.int64(one[k]), np.int64(two[k]))
     return number_sets(parent), parent
 
 

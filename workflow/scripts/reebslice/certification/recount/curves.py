@@ -99,8 +99,9 @@ def _copy_points(data, offsets, counts, out, drawn):
         drawn[row] = stated == count
         for k in range(len(HEAD)):
             drawn[row] &= data[begin + k] == HEAD[k]
-        out[end : end + POINT * count] = data[begin + START : offsets[row + 1]]
-        end += POINT * count
+        for place in range(begin + START, offsets[row + 1]):
+            out[end] = data[place]
+            end += 1
 
 
 def _are_closed(points, first):

@@ -60,7 +60,7 @@ def no_hits(most, n_labels):
     )
 
 
-@njit
+@njit(inner=True)
 def level_below(points, cut, reach):
     """Choose the plane right below a rank; reach : the largest coordinate."""
     low, high = points[cut - 1, 2], points[cut, 2]
@@ -106,7 +106,7 @@ def list_places(state, x):
     return places, own[: n_own if n_nodes <= SEEN else 0]
 
 
-@njit
+@njit(inner=True)
 def look_along(state, level, face, label, own):
     """Look along the line through the middle of the segment of a face.
 
@@ -149,7 +149,7 @@ def look_along(state, level, face, label, own):
     return read_hits(hits, count, label) if count > 0 else (DOUBTFUL, 0, -1)
 
 
-@njit
+@njit(inner=True)
 def _meet_faces(state, level, line, members, count, known):
     """Note where a line meets faces, after `count` that are noted; how many then are, or -1 where rounding hides it.
 
@@ -195,7 +195,7 @@ def read_hits(hits, count, own):
     return (SURE, HOLE, np.int64(hits.label[best])) if hits.way[best] > 0 else (ODD, HOLE, -1)
 
 
-@njit
+@njit(inner=True)
 def _find_innermost(hits, count, start):
     """The last crossing of the innermost contour around a point, -1 for none."""
     turns, final = hits.turns, hits.final
@@ -215,7 +215,7 @@ def _find_innermost(hits, count, start):
     return best
 
 
-@njit
+@njit(inner=True)
 def _is_near(hits, count, one, itself):
     """Whether rounding may change the order of a crossing and another; of the same label only if `itself`."""
     for k in range(count):

@@ -53,7 +53,7 @@ def _turn(rings, x):
             right[z] = x
 
 
-@njit
+@njit(inner=True)
 def raise_member(rings, x):
     """Make a member the root of its tree."""
     parent, left, label = rings.parent, rings.left, rings.label
@@ -69,14 +69,14 @@ def raise_member(rings, x):
         _turn(rings, x)
 
 
-@njit
+@njit(inner=True)
 def label_of(rings, x):
     """Tell the label of the tree of a member, which becomes its root."""
     raise_member(rings, x)
     return rings.label[x]
 
 
-@njit
+@njit(inner=True)
 def _raise_last(rings, x):
     """Make the last member of the tree below root x its root; return it."""
     while rings.right[x] >= 0:
@@ -85,13 +85,13 @@ def _raise_last(rings, x):
     return x
 
 
-@njit
+@njit(inner=True)
 def begin_ring(rings, x):
     """Make a member a sequence of its own."""
     rings.parent[x] = rings.left[x] = rings.right[x] = rings.label[x] = -1
 
 
-@njit
+@njit(inner=True)
 def insert_after(rings, place, x):
     """Put a new member right after another."""
     parent, left, right = rings.parent, rings.left, rings.right
@@ -138,7 +138,7 @@ def remove(rings, x):
         label[root] = label[x]
 
 
-@njit
+@njit(inner=True)
 def cut_after(rings, x, closed):
     """Open a contour right after a member, or, where it is open already, cut it in two there."""
     parent, right = rings.parent, rings.right

@@ -106,7 +106,7 @@ def share_areas(points, chains, one, other):
     return shared
 
 
-@njit
+@njit(inner=True)
 def _left_of_both(points, one, other, base):
     """Area left of two chains, (lowest, highest), as high as both reach, from an upright line at `base`."""
     (p, p_end), (q, q_end) = one, other
@@ -130,7 +130,7 @@ def _left_of_both(points, one, other, base):
     return total
 
 
-@njit
+@njit(inner=True)
 def _last_below(points, start, step, count, y):
     """The last point but one of a chain of `count` segments that is not above height y."""
     low, high = 0, count

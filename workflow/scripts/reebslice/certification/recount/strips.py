@@ -67,7 +67,7 @@ def lay_strips(surface):
     return Strips(float(bottom), float(width), first, start, np.zeros(number, np.int64), *room, at)
 
 
-@njit
+@njit(inner=True)
 def enter_face(strips, face):
     """Put a face into its strips."""
     for k in range(strips.first[face, 0], strips.first[face, 1] + 1):
@@ -77,7 +77,7 @@ def enter_face(strips, face):
         strips.count[k] += 1
 
 
-@njit
+@njit(inner=True)
 def leave_face(strips, face):
     """Take a face out of its strips."""
     for k in range(strips.first[face, 0], strips.first[face, 1] + 1):
@@ -88,13 +88,13 @@ def leave_face(strips, face):
         strips.place[strips.at[last] + k - strips.first[last, 0]] = hole
 
 
-@njit
+@njit(inner=True)
 def strip_of(strips, y):
     """Find the strip that holds a second coordinate."""
     return min(max(int((y - strips.low) / strips.width), 0), len(strips.count) - 1)
 
 
-@njit
+@njit(inner=True)
 def cross_face(mesh, face, cut, height):
     """Find the segment in which a face meets a plane.
 

@@ -137,7 +137,8 @@ def _sort_corners(rank, one, two, three):
     corners, even, order = np.empty((m, 3), np.int32), np.empty(m, np.bool_), np.empty(m, np.int32)
     for f in range(m):
         first[min(rank[one[f]], rank[two[f]], rank[three[f]]) + 1] += 1
-    first = np.cumsum(first)
+    for v in range(len(rank)):
+        first[v + 1] += first[v]
     for f in range(m):
         a, b, c = rank[one[f]], rank[two[f]], rank[three[f]]
         low, high = min(a, b, c), max(a, b, c)
@@ -154,7 +155,8 @@ def _count_sort(keys, n):
     first, order = np.zeros(n + 1, np.int64), np.empty(len(keys), np.int32)
     for key in keys:
         first[key + 1] += 1
-    first = np.cumsum(first)
+    for key in range(n):
+        first[key + 1] += first[key]
     for i in range(len(keys)):
         order[first[keys[i]]] = i
         first[keys[i]] += 1

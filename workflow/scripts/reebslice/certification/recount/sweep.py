@@ -167,7 +167,7 @@ def _sweep(mesh, rings, order, arcs, state, asked):
     return count, np.array(doubts), odd
 
 
-@njit
+@njit(inner=True)
 def _begin_arcs(rings, arcs, v, edges, count):
     """Begin an arc with each contour that some edges at a vertex cross; count : arcs before; returns those after."""
     first = count
@@ -178,7 +178,7 @@ def _begin_arcs(rings, arcs, v, edges, count):
     return count
 
 
-@njit
+@njit(inner=True)
 def _pass_faces(state, by_high, v, left):
     """Put the faces that begin at a vertex into the strips, and take out those that end; left : how many had ended."""
     corners = state.mesh.corners
@@ -190,7 +190,7 @@ def _pass_faces(state, by_high, v, left):
     return left
 
 
-@njit
+@njit(inner=True)
 def _list_strips(state, found, question, face):
     """Append the faces of one body with a face that share a strip with it, and their contours."""
     strips, body = state.strips, state.mesh.body

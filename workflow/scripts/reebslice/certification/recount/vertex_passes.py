@@ -6,7 +6,7 @@ from ...kernels import njit
 from .rings import begin_ring, cut_after, insert_after, join, label_of, remove, replace
 
 
-@njit
+@njit(inner=True)
 def walk_around(mesh, v, face):
     """Walk around a vertex, counter-clockwise seen from outside.
 
@@ -38,7 +38,7 @@ def walk_around(mesh, v, face):
             return np.array(edges), np.array(mixed)
 
 
-@njit
+@njit(inner=True)
 def pass_vertex(rings, upper, v, edges, mixed):
     """Raise a level above a vertex.
 
@@ -68,7 +68,7 @@ def pass_vertex(rings, upper, v, edges, mixed):
         _cut_runs(rings, upper, v, edges, mixed)
 
 
-@njit
+@njit(inner=True)
 def _replace_run(rings, edges, before, end):
     """Replace the run of edges from after `before` to `end` by the others, those from `before` backward."""
     count = len(edges)
@@ -85,7 +85,7 @@ def _replace_run(rings, edges, before, end):
         place = up
 
 
-@njit
+@njit(inner=True)
 def _cut_runs(rings, upper, v, edges, mixed):
     """Cut contours open at a saddle, and join what is left the other way around."""
     count, cut = len(edges), [np.int64(-1)]
