@@ -68,7 +68,7 @@ def rehearse(server, compiled, tasks, options, processes):
     """
     behind = {stage: BEFORE[stage] for name in tasks if name in BEFORE for stage in line_to(name)}
     behind |= {name: None for name in tasks if name not in BEFORE}
-    with tempfile.TemporaryDirectory(ignore_cleanup_errors=True) as folder:
+    with suppress(OSError), tempfile.TemporaryDirectory(ignore_cleanup_errors=True) as folder:
         write_solid(Path(folder, "solid.off"))
         params = {"folder": folder, "behind": behind, "meshes": tasks, "options": options}
 
@@ -84,8 +84,7 @@ def rehearse(server, compiled, tasks, options, processes):
             thread.join()
         for name in tasks:
             if Path(folder, f"{name}.done").exists():
-                with suppress(OSError):
-                    Path(compiled, REHEARSED.format(name)).touch()
+                Path(compiled, REHEARSED.format(name)).touch()
 
 
 def gather(job):

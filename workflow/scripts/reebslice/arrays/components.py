@@ -13,14 +13,15 @@ def connected_items(low, high, n):
     low, high : (E,) int
         The two items of every link.
     n : int
-        Number of items, below 2^31.
+        Number of items.
 
     Returns
     -------
     (n,) int64
         Component of every item. Components are numbered by their lowest item.
     """
-    return _label_items(np.ascontiguousarray(low, np.int32), np.ascontiguousarray(high, np.int32), int(n))
+    kind = np.result_type(low, high, np.int32)  # one kernel for each of two types, not for each pair and stride
+    return _label_items(np.ascontiguousarray(low, kind), np.ascontiguousarray(high, kind), int(n))
 
 
 @njit
