@@ -66,7 +66,7 @@ from corpus.receipts import forget_stage
 from corpus.rehearsal import MOST_COMPILERS, find_unrehearsed, rehearse
 from corpus.sample_sheet import read_sheet
 from corpus.shared_files import check_file_sharing
-from corpus.targets import find_unmade, read_wishes, redirect_targets, spare_pandas, withdraw_outdated
+from corpus.targets import find_unmade, read_wishes, redirect_targets, withdraw_outdated
 
 COMPILED = os.environ.setdefault("NUMBA_CACHE_DIR", str(compiled_code_folder(SCRIPTS / "reebslice")))
 
@@ -205,7 +205,6 @@ def ask_for_tables(targets):
 
 if workflow.is_main_process and IS_MAIN:
     redirect_targets(workflow, ask_for_tables)
-    spare_pandas(workflow)
 
 UNDERWAY = foretell_report(workflow) if workflow.is_main_process else []
 CAPTIONS = workflow.current_basedir.join("../report")

@@ -7,7 +7,6 @@ corpus stay as they are, and what a run over it finds made it passes over.
 """
 
 import os
-import sys
 from pathlib import Path
 from typing import NamedTuple
 
@@ -128,28 +127,3 @@ def redirect_targets(workflow, translate):
         return prepare(*arguments, **settings)
 
     workflow._prepare_dag = prepare_translated
-
-
-def spare_pandas(workflow):
-    """Have Snakemake compare parameters of rules without loading pandas, a tenth of a run with nothing to do.
-
-    It would, to know data frames, as soon as pandas is installed; no rule here has one for a parameter.
-
-    Parameters
-    ----------
-    workflow : snakemake.workflow.Workflow
-    """
-    build = workflow._build_dag
-
-    def build_without_pandas():
-        loaded = sys.modules.get("pandas")
-        sys.modules["pandas"] = None  # as if it were not installed
-        try:
-            workflow.persistence._serialize_param  # noqa: B018, it keeps to what it finds
-        finally:
-            del sys.modules["pandas"]
-            if loaded:
-                sys.modules["pandas"] = loaded
-        build()
-
-    workflow._build_dag = build_without_pandas
