@@ -7,6 +7,7 @@ kernel another one compiles waits for that. What the solid does not call for is 
 
 import fcntl
 import itertools
+import os
 import tempfile
 import threading
 import time
@@ -41,12 +42,14 @@ def find_unrehearsed(compiled, stages, meshes):
     Returns
     -------
     dict of str to str or None
-        Stages, and formats with their files, if any is not. None are, where the folder cannot be written to:
-        what is compiled would not be kept.
+        Stages, and formats with their files, if any is not. Nothing where the folder cannot be written to: what is
+        compiled would not be kept, and every run would rehearse.
     """
     tasks = dict.fromkeys(stages) | (meshes if "inspect_mesh" in stages else {})
     try:
         Path(compiled).mkdir(parents=True, exist_ok=True)
+        if not os.access(compiled, os.W_OK):
+            return {}
         return {name: path for name, path in tasks.items() if not Path(compiled, REHEARSED.format(name)).exists()}
     except OSError:
         return {}
