@@ -21,7 +21,9 @@ function fillMap({ rows, x, y, near }) {
     stacks.set(`${left.toFixed(1)} ${top.toFixed(1)}`, under + 1);
     spot.style.left = `${left}%`;
     spot.style.top = `${top}%`;
-    spot.style.translate = `${CARD * (under % MOST)}px ${CARD * (under % MOST)}px`;
+    const [right, down] = [left, top].map((where) => (where > 50 ? -CARD : CARD) * (under % MOST));
+    spot.style.translate = `${right}px ${down}px`;
+    if (under) spot.classList.add("card");
     spot.title = DATA.models[row];
     if (rows.length <= PICTURED && DATA.thumbnails[row]) addThumbnail(row, spot);
     else spot.classList.add("dot");
