@@ -359,7 +359,9 @@ def compile_ahead():
     tasks = find_unrehearsed(COMPILED, stages, smallest)
     if tasks:
         begun = time.monotonic()
-        logger.info("Compiling the library for the stages of this run, once for this installation: up to three minutes.")
+        logger.info(
+            "Compiling the library for the stages of this run, once for this installation: up to three minutes."
+        )
         own = {stage: rule for rule in workflow.rules for stage in BEFORE if rule.name.endswith(stage)}
         options = {stage: rule.params.options for stage, rule in own.items()}
         rehearse(FORK_SERVER, COMPILED, tasks, options, min(workflow.cores, MOST_COMPILERS))
