@@ -12,7 +12,9 @@ from certify import main as certify
 from corpus.storage import read_json
 from pipeline import OPTIONS, missing_stages, run_stages
 from reebslice import exact_graphs, height_mesh, value_mesh
+from reebslice.certification.recount.surface import rank_surface
 from reebslice.errors import TouchingSheetsError, UnionError
+from reebslice.handles.sides import link_areas
 from reebslice.mesh import closing, copies, half_edges, touching, unions
 from reebslice.mesh.inspection import inspect_surface
 from solids import Solid, carve, hollow_ball, icosphere, linked_rings, move, permute, rotation, torus, transform, unite
@@ -295,6 +297,38 @@ def test_values_at_one_position_are_in_the_order_of_heights():
         points, faces = cleaned(voxel_soup(seed)[1])
         mesh, lifted = height_mesh(points, faces), value_mesh(points[:, 2], points, faces)
         assert np.array_equal(mesh.vertex, lifted.vertex) and np.array_equal(mesh.faces, lifted.faces)
+
+
+def split(solid, corner, beside, place):
+    """The solid with one more vertex at a place on the mesh edge between two."""
+    faces = []
+    for face in solid.faces.tolist():
+        ends = (corner, beside) if corner in face and beside in face else (None,)
+        faces += [[len(solid.points) if v == end else v for v in face] for end in ends]
+    return Solid(np.vstack([solid.points, place]), np.array(faces))
+
+
+@pytest.mark.parametrize(
+    "seed, top",
+    [(1, True), (1, False), (2, True), (2, False), (3, True), (3, False), (4, True), (7, False)],
+)
+def test_extrema_that_a_rotation_rounds_to_the_place_of_a_neighbour(seed, top):
+    """A mesh edge from the extremum to the next number along an axis is of no length once it is turned."""
+    random, turn = np.random.default_rng(seed), rotation(5)
+    solid = icosphere(1)
+    points = solid.points * random.uniform(0.5, 3, 3) + random.uniform(0, 1, 3)
+    corner = int((np.argmax if top else np.argmin)(points @ turn[2]))
+    beside = random.choice([v for face in solid.faces.tolist() if corner in face for v in face if v != corner])
+    place, axis = points[corner].copy(), random.integers(3)
+    place[axis] = np.nextafter(place[axis], points[beside, axis])
+    solid = permute(split(Solid(points, solid.faces), corner, beside, place), seed)
+    mesh = height_mesh(solid.points, solid.faces, turn)
+    assert (mesh.points[1:] == mesh.points[:-1]).all(axis=1).any()
+    _, rank = rank_surface(solid.points.T, turn, solid.faces.T, np.zeros(len(solid.faces), int))
+    assert (mesh.vertex == np.argsort(rank)).all()
+    assert (link_areas(mesh, np.array([0, len(mesh.points) - 1])) * [-1, 1] > 0).all()
+    _, certificate = run(solid, turn[2].tolist())
+    assert certificate["verdict"] == "exact"
 
 
 # --------------------------------------------------------------------------

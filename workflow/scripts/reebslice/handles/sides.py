@@ -30,18 +30,27 @@ def link_areas(mesh, vertices):
     doubtful = np.flatnonzero(~(np.abs(area) > 32 * np.finfo(float).eps * size)).tolist()  # eight roundings a term
     tilt = exact_tilt(mesh.points) if doubtful else None
     for k in doubtful:
-        is_minimum = gate[k] % 3 == 0 and mesh.faces[gate[k] // 3, 0] == vertices[k]
-        hole = turns_around_hole(mesh, gate[k], _next_cut(mesh.points, int(vertices[k]), is_minimum), tilt)
+        is_minimum = mesh.faces[gate[k] // 3, gate[k] % 3] == vertices[k]
+        hole = turns_around_hole(mesh, *_next_cut(mesh, int(vertices[k]), int(gate[k])), tilt)
         area[k] = np.finfo(float).tiny * (1 if hole == is_minimum else -1)
     return area
 
 
-def _next_cut(points, v, is_minimum):
-    """The cut next to an extremum on the side of its contour, beyond all vertices at the same place."""
+def _next_cut(mesh, v, gate):
+    """An upward half-edge at an extremum and the cut right next to it that this crosses, on the side of its contour.
+
+    The cut is beyond all vertices at the same place, unless mesh edges join the extremum to these alone, as where a
+    rotation has rounded them together. The half-edge is `gate`, or another one where that ends before the cut.
+    """
+    faces, is_minimum = mesh.faces, mesh.faces[gate // 3, gate % 3] == v
     cut = v + int(is_minimum)
-    while (points[cut if is_minimum else cut - 1] == points[v]).all():
+    while 0 < cut < len(mesh.points) and (mesh.points[cut if is_minimum else cut - 1] == mesh.points[v]).all():
         cut += 1 if is_minimum else -1
-    return cut
+    if faces[gate // 3, gate % 3] < cut <= faces[gate // 3, (gate % 3 + 1) % 3]:
+        return gate, cut
+    tails, heads = faces.ravel(), np.roll(faces, -1, axis=1).ravel()
+    crossing = np.flatnonzero(((tails if is_minimum else heads) == v) & (tails < cut) & (cut <= heads))
+    return (int(crossing[0]), cut) if len(crossing) else (gate, v + int(is_minimum))
 
 
 @njit

@@ -41,7 +41,8 @@ def order_copies(order, keys, faces):
     keys : (n, k) float64
         Of every vertex, without -0.0 and NaN.
     faces : (m, 3) int
-        No corners of one face tie.
+        By these and `order` a vertex is a maximum or a minimum; corners of one may tie, as a rotation may round
+        neighbours to one position.
 
     Returns
     -------

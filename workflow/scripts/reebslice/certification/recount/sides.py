@@ -35,7 +35,9 @@ def local_sides(surface, vertices):
 
 
 def _side_of_extremum(arms):
-    """The side by the sign of the area of the link, seen from above at one height."""
+    """The side by the sign of the area of the link, seen from above at one height; "" with a neighbour in its place."""
+    if not all(h for _, _, h in arms):
+        return ""
     least, reach = min(abs(h) for _, _, h in arms), max(max(abs(x), abs(y)) for x, y, _ in arms)
     spots = [(x * least / (abs(h) * reach), y * least / (abs(h) * reach)) for x, y, h in arms]
     terms = [px * qy - py * qx for (px, py), (qx, qy) in zip(spots, spots[1:] + spots[:1])]

@@ -95,12 +95,13 @@ def part_copies(order, keys, faces):
     new = np.any([np.diff(key[order]) != 0 for key in keys], axis=0)
     if new.all():
         return order
-    place = np.empty(len(order), np.int64)
+    place, rank = np.empty(len(order), np.int64), np.empty(len(order), np.int64)
     place[order] = np.concatenate([[0], np.cumsum(new)])  # one for all that tie
+    rank[order] = np.arange(len(order))  # mesh edges join some that tie, where rounding has drawn them together
     a, b, c = faces
     tails, heads = np.concatenate([a, b, c]), np.concatenate([b, c, a])
-    up = np.bincount(tails[place[tails] < place[heads]], minlength=len(order)) > 0
-    down = np.bincount(tails[place[tails] > place[heads]], minlength=len(order)) > 0
+    up = np.bincount(tails[rank[tails] < rank[heads]], minlength=len(order)) > 0
+    down = np.bincount(tails[rank[tails] > rank[heads]], minlength=len(order)) > 0
     return np.lexsort((np.arange(len(order)), np.where(up, np.where(down, 1, 2), 0), place))
 
 
