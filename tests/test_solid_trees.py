@@ -193,6 +193,13 @@ def test_a_line_meets_the_nearest_of_all_faces_above_or_below_its_vertex(solid, 
         assert face == nearest
 
 
+@pytest.mark.parametrize("exponent", [-1000, -540, 520, 1000])
+def test_graphs_do_not_depend_on_the_unit(exponent):
+    shells, turn = solids.nested_shells(3), solids.rotation(1)
+    graphs = zip(*(exact_graphs(np.ldexp(shells.points, by), shells.faces, turn) for by in (0, exponent)))
+    assert all((one.vertex == two.vertex).all() and one.arcs.tolist() == two.arcs.tolist() for one, two in graphs)
+
+
 def test_levels_pierce_each_loop_once_where_few_can():
     """Ten windows side by side take one level, ten on top of each other one each."""
     row = solids.plate(10, upright=True)

@@ -8,7 +8,10 @@ const PICTURED = 600; // models, up to which they have thumbnails; of more there
 function fillMap({ rows, x, y, near }) {
   const frame = find("#spots");
   frame.classList.add(rows.length > LARGE ? "small" : "large");
-  const share = (values, value) => (value - Math.min(...values)) / (Math.max(...values) - Math.min(...values) || 1);
+  const share = (values, value) => {
+    const [least, most] = [Math.min(...values), Math.max(...values)];
+    return most > least ? (value - least) / (most - least) : 0.5;
+  };
   const stacks = new Map(); // models at one place lie like cards, so that each can be pointed at
   rows.forEach((row, place) => {
     const link = address(row, DATA.linked.findIndex((_, file) => address(row, file)));

@@ -17,6 +17,7 @@ from ..slicing.refinement import exact_slices
 from .flat_pairs import cancel_pairs, find_flat_pairs
 from .solid_by_trees import solid_graph_by_trees
 
+LARGEST = 300  # exponent of coordinates, and negative: areas of contours neither overflow nor underflow
 FEW_CROSSINGS = 100_000  # points of contours that are traced in some hundredths of a second
 
 
@@ -141,6 +142,9 @@ def solid_reeb_graph(mesh, graph, body_of_vertex):
     nodes, arcs
         As of :func:`merged_solid_graph`.
     """
+    exponent = int(np.frexp(np.abs(mesh.points).max(initial=0.0))[1])
+    if abs(exponent) > LARGEST:
+        mesh = mesh._replace(points=np.ldexp(mesh.points, -exponent))
     most = max(FEW_CROSSINGS, len(mesh.faces) // 4)  # merge trees take a visit to every face
     # each arc is crossed, by a contour of three points at least; and of flat pairs slices keep some
     if 3 * len(graph.arcs) <= most and not len(find_flat_pairs(mesh.points[graph.nodes, 2], graph)):
