@@ -10,7 +10,7 @@ two distances, or is decided in rational numbers (:mod:`.exact_lines`).
 
 The lines are held in strips of equally many along x, sorted by y in each, and
 every face looks up those that its box holds. So time grows as the faces and
-as the faces that lines meet, and memory as the lines.
+as the lines in their boxes, and memory as the lines.
 """
 
 from typing import NamedTuple
