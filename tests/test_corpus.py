@@ -595,6 +595,14 @@ def test_a_part_of_the_table_of_models_that_is_damaged_is_made_anew(change):
     assert models_of(("x", "a"), code="1").equals(whole)
 
 
+def test_what_lies_where_parts_of_the_table_of_models_are_to_be_kept_stops_nothing():
+    write_json(MODELS_FOLDER / "a" / "certificate.json", {"genus": 1})
+    whole = models_of(("x", "a"))
+    model_table.PARTS.parent.mkdir(exist_ok=True)
+    model_table.PARTS.write_text("in the way")
+    assert models_of(("x", "a"), code="1").equals(whole)
+
+
 def test_a_part_of_the_table_of_models_is_not_kept_where_figures_could_not_be_read():
     path = MODELS_FOLDER / "a" / "certificate.json"
     path.parent.mkdir(parents=True)

@@ -284,6 +284,14 @@ def test_a_job_takes_over_by_size_and_time_what_the_last_table_stands_for_and_di
         keeping_times(file("a", "vertices.parquet"), flip)
 
 
+def test_what_lies_where_tables_are_to_be_kept_stops_nothing(finished):
+    shutil.rmtree(KEPT)
+    KEPT.write_text("in the way")
+    status_table("inspect_mesh").unlink()
+    run_all()
+    assert contents() == finished and broken() == [] and KEPT.read_text() == "in the way"
+
+
 def test_a_job_computes_what_another_configuration_or_mesh_asks_for_and_keeps_the_other_rows(finished):
     before = {row["model"]: row for row in pq.read_table(status_table("slice_mesh")).to_pylist()}
     put_meshes(a="1 2 4")

@@ -61,11 +61,14 @@ def test_where_a_stage_ends_its_process_the_next_run_tries_again(monkeypatch):
 
 def test_nothing_is_rehearsed_where_what_is_compiled_would_not_be_kept():
     Path("file").touch()
-    assert find_unrehearsed("file", ["inspect_mesh"], {}) == {}
-    assert find_unrehearsed("file/folder", ["inspect_mesh"], {}) == {}
+    assert find_unrehearsed("file", ["inspect_mesh"], {}) is None
+    assert find_unrehearsed("file/folder", ["inspect_mesh"], {}) is None
+    assert find_unrehearsed("file/folder", [], {".stl": ""}) == {}
 
 
 def test_nothing_is_rehearsed_where_the_folder_is_for_reading(monkeypatch):
     Path("there").mkdir()
     monkeypatch.setattr("os.access", lambda path, mode: False)  # root may write anywhere
+    assert find_unrehearsed("there", ["inspect_mesh"], {}) is None
+    Path("there/rehearsed-inspect_mesh").touch()
     assert find_unrehearsed("there", ["inspect_mesh"], {}) == {}

@@ -193,6 +193,24 @@ def test_a_line_meets_the_nearest_of_all_faces_above_or_below_its_vertex(solid, 
         assert face == nearest
 
 
+def test_lines_find_long_thin_faces_across_many_strips():
+    """Small voids in a cone of needles, each of which lies across all strips of lines."""
+    count, random = 60, np.random.default_rng(1)
+    turn = 2 * np.pi * np.arange(count) / count
+    rim = np.column_stack([20 * np.cos(turn), 20 * np.sin(turn), np.full(count, -1.5)])
+    here, there = np.arange(count), (np.arange(count) + 1) % count
+    sides = [(here, there, np.full(count, count)), (there, here, np.full(count, count + 1))]
+    cone = solids.Solid(np.vstack([rim, [0, 0, 30], [0, 0, -2]]), np.concatenate([np.column_stack(s) for s in sides]))
+    places = np.stack(np.meshgrid(*[np.arange(6)] * 3), axis=-1).reshape(-1, 3) + random.uniform(-0.2, 0.2, (216, 3))
+    voids = (solids.carve(solids.move(solids.scale(solids.tetrahedron(), 0.1), place / 3 - 1)) for place in places)
+    solid = solids.unite(cone, *voids)
+    mesh = turned(solid, None)
+    trees = solid_graph_by_trees(mesh, surface_reeb_graph(mesh), one_body(mesh))
+    below, above = np.bincount(trees[:, 1]), np.bincount(trees[:, 0])
+    assert len(trees) == len(below) - 1 and len(below) == 2 + 2 * len(places)  # a chain: each void opens and closes
+    assert below[:-1].max() <= 2 and above.max() <= 2
+
+
 @pytest.mark.parametrize("exponent", [-1000, -540, 520, 1000])
 def test_graphs_do_not_depend_on_the_unit(exponent):
     shells, turn = solids.nested_shells(3), solids.rotation(1)

@@ -357,7 +357,12 @@ def compile_ahead():
     by_size = sorted(MODELS.values(), key=lambda mesh: mesh.size, reverse=True)
     smallest = {os.path.splitext(mesh.path)[1].lower(): mesh.path for mesh in by_size}
     tasks = find_unrehearsed(COMPILED, stages, smallest)
-    if tasks:
+    if tasks is None:
+        logger.warning(
+            f"What is compiled cannot be kept in {COMPILED}, so models wait for the compiler, for a minute or more:"
+            " name a folder that can be written to in NUMBA_CACHE_DIR."
+        )
+    elif tasks:
         begun = time.monotonic()
         logger.info(
             "Compiling the library for the stages of this run, once for this installation: up to three minutes."

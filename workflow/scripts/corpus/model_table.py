@@ -50,16 +50,17 @@ def _make_part(stages, paths, last):
 
 
 def _keep_part(stages, paths, last, code):
-    """Return the table of one batch as it was kept, if that was made of the same; else make it and keep it."""
+    """Return the table of one batch as it was kept, if that was made of the same; else make it, and try to keep it."""
     path = PARTS / Path(paths[0]).name
     key = make_key([digest_file(each) for each in paths], stages, code)
     if valid_receipt(PARTS, path.stem, key, [path.name]):
         return pq.ParquetFile(path).read()
     part, whole = _make_part(stages, paths, last)
     if whole:
-        with place_whole(path) as scratch:
-            pq.write_table(part, scratch)
-        seal_table(path, key=key)
+        with suppress(OSError):
+            with place_whole(path) as scratch:
+                pq.write_table(part, scratch)
+            seal_table(path, key=key)
     return part
 
 

@@ -8,6 +8,7 @@ the table was written for takes no more than a look at their folder.
 import hashlib
 import os
 import shutil
+from contextlib import suppress
 from functools import partial
 from itertools import chain
 from pathlib import Path
@@ -54,11 +55,12 @@ def vouch(stage, rows, outputs):
 
 
 def keep_promises(path):
-    """Keep a copy of a status table for the next job that writes it."""
+    """Keep a copy of a status table for the next job that writes it; where it cannot be kept, that one reads more."""
     kept = KEPT / path.parent.name / path.name
-    with place_whole(kept) as scratch:
-        shutil.copyfile(path, scratch)
-    seal_table(kept)
+    with suppress(OSError):
+        with place_whole(kept) as scratch:
+            shutil.copyfile(path, scratch)
+        seal_table(kept)
 
 
 def recall_standing(path, keys, outputs):

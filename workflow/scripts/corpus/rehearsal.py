@@ -42,17 +42,16 @@ def find_unrehearsed(compiled, stages, meshes):
     Returns
     -------
     dict of str to str or None
-        Stages, and formats with their files, if any is not. Nothing where the folder cannot be written to: what is
-        compiled would not be kept, and every run would rehearse.
+        Stages, and formats with their files, if any is not. None where some are not, and the folder cannot be
+        written to: what is compiled would not be kept, and every run would rehearse.
     """
-    tasks = dict.fromkeys(stages) | (meshes if "inspect_mesh" in stages else {})
+    names = dict.fromkeys(stages) | (meshes if "inspect_mesh" in stages else {})
+    tasks = {name: path for name, path in names.items() if not os.path.exists(f"{compiled}/{REHEARSED.format(name)}")}
     try:
         Path(compiled).mkdir(parents=True, exist_ok=True)
-        if not os.access(compiled, os.W_OK):
-            return {}
-        return {name: path for name, path in tasks.items() if not Path(compiled, REHEARSED.format(name)).exists()}
     except OSError:
-        return {}
+        return None if tasks else {}
+    return tasks if os.access(compiled, os.W_OK) or not tasks else None
 
 
 def rehearse(server, compiled, tasks, options, processes):

@@ -9,8 +9,9 @@ none of them. Which of two faces is the nearer one follows from bounds of the
 two distances, or is decided in rational numbers (:mod:`.exact_lines`).
 
 The lines are held in strips of equally many along x, sorted by y in each, and
-every face looks up those that its box holds. So time grows as the faces and
-as the lines in their boxes, and memory as the lines.
+every face looks up those in the box of what of it lies in each strip. So time
+grows as the faces, the strips that they cross and the lines in these boxes,
+and memory as the lines.
 """
 
 from typing import NamedTuple
@@ -20,6 +21,7 @@ import numpy as np
 from ..kernels import njit
 from ..mesh.exact_signs import LINE_BOUND, PLANE_BOUND, ROOM, UNDERFLOW, side_sign, turn_sign
 
+SPARE = 1e-14  # of the coordinates of a mesh edge's ends: more than interpolating between them is off
 SLACK = 1e-15  # of a quotient: what dividing its bounds may be off
 
 
@@ -28,10 +30,8 @@ class LineHits(NamedTuple):
 
     Attributes
     ----------
-    face : (Q,) int32
-        -1 where there is none.
-    rises : (Q,) bool
-        Whether the face looks upward.
+    face, rises : (Q,) int32 and (Q,) bool
+        -1 where there is none; whether it looks upward.
     near, far : (Q,) float64
         Bounds of the distance to it, in the unit of the points.
     doubtful : (Q,) bool
@@ -153,9 +153,12 @@ def _meet(points, faces, body, strips, listing):
         strip, highest = _first_strip(strips, x0), max(b, c)
         while strip < len(strips.left) and strips.left[strip] <= x1:
             end = min((strip + 1) * strips.width, len(strips.x))
-            line = _first_from(strips.y, strip * strips.width, end, y0) - 1
+            low, high = y0, y1
+            if x0 < strips.left[strip] or (end < len(strips.x) and strips.left[strip + 1] < x1):
+                low, high = _span_of_part(points, (a, b, c), strips, strip)
+            line = _first_from(strips.y, strip * strips.width, end, low) - 1
             strip += 1
-            while line + 1 < end and strips.y[line + 1] <= y1:
+            while line + 1 < end and strips.y[line + 1] <= high:
                 line += 1
                 v, up = strips.vertex[line], strips.upward[line]
                 if not (x0 <= strips.x[line] <= x1 and (highest > v if up else a < v) and body[a] == body[v]):
@@ -216,6 +219,26 @@ def _note_face(points, faces, strips, hits, line, f, turn):
 def _span(a, b, c):
     """The least and the largest of three."""
     return min(a, b, c), max(a, b, c)
+
+
+@njit(inner=True)
+def _span_of_part(points, corners, strips, strip):
+    """Bounds of y, wider by some roundings, of the part of a face within a strip."""
+    left, low, high = strips.left[strip], np.inf, -np.inf
+    right = strips.left[strip + 1] if strip + 1 < len(strips.left) else np.inf
+    for k in range(3):
+        one, two = corners[k], corners[(k + 1) % 3]
+        if points[two, 0] < points[one, 0]:
+            one, two = two, one
+        x, y = points[one, 0], points[one, 1]
+        run, rise = points[two, 0] - x, points[two, 1] - y
+        if x <= right and points[two, 0] >= left:
+            slack = SPARE * (abs(y) + abs(points[two, 1]))
+            first = (left - x) / run if left > x else 0.0  # never 0 / 0: such an edge is in the strip
+            last = (right - x) / run if right < points[two, 0] else 1.0
+            low = min(low, y + min(first * rise, last * rise) - slack)
+            high = max(high, y + max(first * rise, last * rise) + slack)
+    return low, high
 
 
 @njit(inline="always")

@@ -277,10 +277,7 @@ def check_fans(points, faces, twins):
 
 @njit
 def _find_pinch(corners, twins, n):
-    """A vertex with more than one fan, -1 if there is none.
-
-    One fan is walked of each vertex; none is pinched if these have all corners.
-    """
+    """A vertex with more than one fan, -1 if none: one fan is walked of each; where none is, these have all corners."""
     length = np.zeros(n, np.int32)
     total = 0
     for h in range(len(corners)):
@@ -293,11 +290,10 @@ def _find_pinch(corners, twins, n):
                 if g == h:
                     break
             total += length[v]
-    if total == len(corners):
-        return -1
-    for h in range(len(corners)):
-        length[corners[h]] -= 1
-    vertex = 0
-    while length[vertex] >= 0:
-        vertex += 1
-    return vertex
+    if total < len(corners):
+        for h in range(len(corners)):
+            length[corners[h]] -= 1
+        for v in range(n):
+            if length[v] < 0:
+                return v
+    return -1
